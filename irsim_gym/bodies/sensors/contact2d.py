@@ -4,6 +4,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
+from irsim_gym.base.arraytypes import Records
 from irsim_gym.simulator.world.names import Floats, Group, Ints, Model, Shard, State, kernel, kind, option
 from irsim_gym.simulator.world.outline import Outline
 
@@ -51,13 +52,15 @@ class Contact2D:
         """Write the forces on the members, in the world frame."""
         pushing = None if group.context is None else group.context.pushing
         if pushing is not None:
-            copy_forces(shard.worlds, group.members, pushing.force, group.arrays["contact"])
+            copy_forces(shard.worlds, group.members, pushing.felt, group.arrays["contact"])
 
 
 @kernel
-def copy_forces(worlds: Ints, members: Ints, force: Floats, reading: Floats) -> None:
-    """Write the forces on some bodies [N]."""
+def copy_forces(worlds: Ints, members: Ints, felt: Records, reading: Floats) -> None:
+    """Write the forces on some bodies [N].
+
+    Writes: reading.
+    """
     for w in worlds:
         for k in range(members.shape[0]):
-            for axis in range(2):
-                reading[w, k, axis] = force[w, members[k], axis]
+            reading[w, k, 0], reading[w, k, 1] = felt[w, members[k]].x, felt[w, members[k]].y

@@ -5,7 +5,7 @@ import numpy as np
 from irsim_gym.base.arraytypes import Floats, Ints
 from irsim_gym.simulator.pushing.matter import Matter
 from irsim_gym.simulator.pushing.memory import PAIRS, Pushing, greatest_travel
-from irsim_gym.simulator.world.names import Model, State, kernel, row_of
+from irsim_gym.simulator.world.names import Model, State, kernel
 from irsim_gym.simulator.world.outline import CIRCLE_CORNERS, outline_of
 
 SLOP = 1e-6
@@ -18,10 +18,10 @@ NODE = 10
 def find_pairs(w: int, slot: int, push: Pushing, matter: Matter, model: Model, state: State) -> None:
     """Write the pairs of bodies whose boxes meet, or may meet in this step, and their order.
 
-    Reads: push (boxes, counts, items, motions, nodes, order, pairs, sequence), matter (map_box, pushable, substance),
-        model (disc_count, disc_start, drive, map_frame, movable, present, segment_count, segment_start, solid,
-        step_time, unobstructed, velocity_max), state (discs, pose, segments, twist).
-    Writes: push (boxes, counts, items, margin, motions, nodes, order, pairs, sequence).
+    Reads: push (boxes, counts, items, motions, order, pairs, sequence), matter (map_box, pushable, substance), model
+        (disc_count, disc_start, map_frame, movable, present, segment_count, segment_start, solid, step_time,
+        unobstructed, velocity_max), state (discs, pose, segments, twist).
+    Writes: push (boxes, counts, items, margin, motions, order, pairs, sequence).
     """
     boxes, pairs, own = push.boxes[slot], push.pairs[slot], model.map_frame[0].body
     n_bodies, count, is_crowded = boxes.shape[0], 0, False
@@ -46,14 +46,14 @@ def find_pairs(w: int, slot: int, push: Pushing, matter: Matter, model: Model, s
                 count += 1
         is_crowded = is_crowded or count - first > 1
     push.counts[slot, PAIRS] = count
+    place = push.order[slot, 1]
     if is_crowded:
         order_bodies(w, slot, push, model)
-        place = push.order[slot, 1]
-        for k in range(count):
-            pairs[k].rank = pairs[k].a * n_bodies + place[pairs[k].b]
-        sort_pairs(slot, push)
     if count > 1:
         rank_pairs(slot, push, matter)
+        for k in range(count):
+            # First by what stands between, then by body a, then by the place of body b.
+            pairs[k].rank = (pairs[k].rank * n_bodies + pairs[k].a) * n_bodies + place[pairs[k].b]
         sort_pairs(slot, push)
 
 
@@ -76,7 +76,7 @@ def bound_body(w: int, b: int, box: Floats, matter: Matter, model: Model, state:
     """
     if b == model.map_frame[0].body:
         for side in range(4):
-            box[side] = matter.map_box[row_of(matter.map_box, w), side]
+            box[side] = matter.map_box[side]
         return
     segments, start, n_segments, discs, first, n_discs, _ = outline_of(model, state, w, b)
     x0, y0, x1, y1 = np.inf, np.inf, -np.inf, -np.inf
@@ -98,10 +98,10 @@ def order_bodies(w: int, slot: int, push: Pushing, model: Model) -> None:
 
     It is the order in which a query of GEOS returns them ("Sort-Tile-Recursive", Leutenegger et al. 1997).
 
-    Reads: push (boxes, items, nodes, order), model (present).
-    Writes: push (items, nodes, order).
+    Reads: push (boxes, items, order), model (present).
+    Writes: push (items, order).
     """
-    boxes, items = push.boxes[slot], push.items[slot]
+    boxes, items, nodes = push.boxes[slot], push.items[slot, 0], push.items[slot, 1]
     leaves, place, row, kept = push.order[slot, 0], push.order[slot, 1], push.order[slot, 2], push.order[slot, 3]
     count = 0
     for b in range(boxes.shape[0]):
@@ -131,7 +131,7 @@ def order_bodies(w: int, slot: int, push: Pushing, model: Model) -> None:
             leaves[k] = kept[k]
         if count <= NODE:
             break
-        count = join_items(count, size, row, push.nodes[slot], items)
+        count = join_items(count, size, row, nodes, items)
     for k in range(n_leaves):
         place[leaves[k]] = k
 
@@ -195,7 +195,7 @@ def rank_pairs(slot: int, push: Pushing, matter: Matter) -> None:
     Writes: push (motions, pairs).
     """
     motions, pairs, n_pairs = push.motions[slot], push.pairs[slot], push.counts[slot, PAIRS]
-    unreached = push.motions.shape[1] + 1
+    unreached = n_pairs + 1
     for k in range(n_pairs):
         a, b = pairs[k].a, pairs[k].b
         motions[a].level = unreached if matter.substance[a].inverse > 0.0 else 0

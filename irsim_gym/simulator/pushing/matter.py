@@ -14,13 +14,16 @@ from irsim_gym.scenario.specs.spec import Scenario
 from irsim_gym.simulator.geometry.polygons import is_convex
 from irsim_gym.simulator.levels.body_measures import measure_into
 from irsim_gym.simulator.levels.level_table import roomy_outlines, varied_outlines
+from irsim_gym.simulator.world.model import NO_DRIVE
 from irsim_gym.simulator.world.names import Model, Struct, kernel, row_of
 from irsim_gym.simulator.world.outline import Outline, chain
 
-SUBSTANCE = record_type("mass inverse grip friction restitution tau given", passive=np.bool_)
+COASTS = 5
+"""The drive of a body without one, beside those of ``simulator.world.model``."""
+SUBSTANCE = record_type("mass inverse grip friction restitution tau given", passive=np.bool_, drive=np.int64)
 """Mass [kg] and its inverse, 0 for what nobody pushes; the greatest force of friction with the ground [N]; coefficients
 of friction and restitution; time constant of the drive [s]; the given moment of inertia [kg m2], NaN: from the outline;
-whether the body has no drive.
+whether the body has no drive; how its velocity reads.
 """
 DRAWN = "contact needs convex outlines where levels draw them: give the shape is_convex: true, or set unobstructed"
 
@@ -33,7 +36,6 @@ class Matter(Struct):
         gravity: Gravity [m/s2].
         substance: What they are made of, shape ``(n_bodies,)``.
         coasting: Bodies that move without a drive, shape ``(n,)``.
-        driving: Bodies with a drive that can move, likewise.
         pushable: Bodies that can be pushed, likewise.
         varied: Bodies whose outline levels draw, likewise.
         radius: Radius of the least circle around each footprint [m], shape ``(world*, n_bodies)``.
@@ -44,7 +46,7 @@ class Matter(Struct):
         n_corners: Corners of each piece: 1 of a disc, 2 of a segment, 0 where there is none, ``(world*, n_pieces)``.
         rounding: Radius of each piece that is a disc, else 0 [m], likewise.
         corners: Corners in the body frame [m], shape ``(world*, n_corners, 2)``.
-        map_box: Least and greatest x and y of the occupied cells [m], shape ``(world*, 4)``: x0, y0, x1, y1.
+        map_box: Box around the occupied cells: x0, y0, x1, y1 [m]; the world where levels draw the map.
         edge_rank: Order of the horizontal and the vertical edges of cells, shape ``(2, columns + 1, rows + 1)``; no
             column where levels draw the map.
     """
@@ -52,7 +54,6 @@ class Matter(Struct):
     gravity: float
     substance: Records
     coasting: Ints
-    driving: Ints
     pushable: Ints
     varied: Ints
     radius: Floats
@@ -97,12 +98,12 @@ def lay_matter(scenario: Scenario, model: Model) -> Matter:
     shape = (
         (2, *(np.array(scenario.occupied.shape) + 1)) if scenario.occupied is not None and n_maps == 1 else (2, 0, 0)
     )
+    substance = np.array([_substance(scenario, b) for b in range(n_bodies)], SUBSTANCE)
     matter = Matter(
         gravity=scenario.world.gravity,
-        substance=np.array([_substance(scenario, b) for b in range(n_bodies)], SUBSTANCE),
+        substance=substance,
         coasting=np.array([b for b, body in enumerate(bodies) if body.coasts], np.int64),
-        driving=np.flatnonzero(model.movable & np.array([body.kinematics is not None for body in bodies], np.bool_)),
-        pushable=np.zeros(0, np.int64),
+        pushable=np.flatnonzero((substance["inverse"] > 0.0) & ~model.unobstructed),
         varied=np.flatnonzero(varied & (np.arange(n_bodies) != model.map_frame[0].body)),
         radius=np.zeros((rows, n_bodies)),
         centre=np.zeros((rows, n_bodies, 2)),
@@ -112,19 +113,21 @@ def lay_matter(scenario: Scenario, model: Model) -> Matter:
         n_corners=np.tile(np.array(counts, np.int64), (rows, 1)),
         rounding=np.tile(np.array([radius for _, radius in flat], np.float64), (rows, 1)),
         corners=np.tile(np.concatenate([np.zeros((0, 2)), *(corners for corners, _ in flat)]), (rows, 1, 1)),
-        map_box=np.zeros((n_maps, 4)),
+        map_box=model.bounds.copy(),
         edge_rank=np.zeros(shape, np.int64),
     )
-    matter.pushable = np.flatnonzero((matter.substance["inverse"] > 0.0) & ~model.unobstructed)
     everyone, worlds = np.arange(n_bodies, dtype=np.int64), np.arange(rows, dtype=np.int64)
     weigh(worlds, everyone, matter, model)
     for b, outline in enumerate(outlines):
         if outline.parts:
             _weigh_union(b, outline, matter)
-    if pushes and scenario.occupied is not None:
-        bound_map(np.arange(n_maps, dtype=np.int64), matter, model)
-        if matter.edge_rank.size:
-            _rank_edges(scenario.occupied, matter.edge_rank)
+    if pushes and scenario.occupied is not None and n_maps == 1:
+        _rank_edges(scenario.occupied, matter.edge_rank)
+        x, y, width, height, _ = model.map_frame.item()
+        cells = np.argwhere(scenario.occupied)
+        if len(cells):
+            ends = cells.min(axis=0), cells.max(axis=0) + 1
+            matter.map_box[:] = np.array([x, y] * 2) + np.concatenate(ends) * np.array([width, height] * 2)
     return matter
 
 
@@ -149,7 +152,8 @@ def _substance(scenario: Scenario, b: int) -> tuple[Any, ...]:
     grip = friction * body.mass * world.gravity if friction > 0.0 else 0.0
     given = np.nan if body.inertia is None else body.inertia
     tau = world.drive_tau if tau is None else tau
-    return body.mass, inverse, grip, friction, restitution, tau, given, body.kinematics is None
+    drive = COASTS if body.kinematics is None else getattr(body.kinematics, "drive", NO_DRIVE)
+    return body.mass, inverse, grip, friction, restitution, tau, given, drive == COASTS, drive
 
 
 def _pieces(outline: Outline) -> list[tuple[Floats, float]]:
@@ -198,12 +202,10 @@ def _rank_edges(occupied: Flags, rank: Ints) -> None:
 
 
 def renew_matter(worlds: Ints, matter: Matter, model: Model) -> None:
-    """Write what follows from outlines and maps that levels draw."""
+    """Write what follows from the outlines that levels draw."""
     if len(matter.varied):
         weigh(worlds, matter.varied, matter, model)
         cut_outlines(worlds, matter, model)
-    if len(matter.map_box) > 1:
-        bound_map(worlds, matter, model)
 
 
 def weigh(worlds: Ints, bodies: Ints, matter: Matter, model: Model) -> None:
@@ -258,25 +260,6 @@ def inverse_inertia(matter: Matter, w: int, b: int) -> float:
     """
     inertia = matter.inertia[row_of(matter.inertia, w), b]
     return 1.0 / inertia if matter.substance[b].inverse > 0.0 and inertia < np.inf else 0.0
-
-
-@kernel
-def bound_map(worlds: Ints, matter: Matter, model: Model) -> None:
-    """Write the box around the occupied cells of the map.
-
-    Reads: matter (map_box), model (map_boxes, map_frame, map_n_boxes).
-    Writes: matter (map_box).
-    """
-    frame = model.map_frame[0]
-    for w in worlds:
-        row = row_of(matter.map_box, w)
-        box, spans = matter.map_box[row], model.map_boxes[row]
-        box[0], box[1], box[2], box[3] = np.inf, np.inf, -np.inf, -np.inf
-        for k in range(model.map_n_boxes[row]):
-            box[0] = min(box[0], frame.x + spans[k, 0] * frame.width)
-            box[1] = min(box[1], frame.y + spans[k, 2] * frame.height)
-            box[2] = max(box[2], frame.x + spans[k, 1] * frame.width)
-            box[3] = max(box[3], frame.y + spans[k, 3] * frame.height)
 
 
 @kernel

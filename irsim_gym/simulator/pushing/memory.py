@@ -8,10 +8,14 @@ from irsim_gym.base.arraytypes import Flags, Floats, Ints, Records
 from irsim_gym.base.errors import ScenarioError
 from irsim_gym.base.kernels.structs import record_type
 from irsim_gym.scenario.specs.spec import Scenario
-from irsim_gym.simulator.pushing.matter import Matter
+from irsim_gym.simulator.pushing.matter import COASTS, Matter
 from irsim_gym.simulator.world.model import ACKERMANN, DIFFERENTIAL, NO_DRIVE
 from irsim_gym.simulator.world.names import Model, State, Struct, kernel, row_of
 
+FELT = record_type("x y contact_time air_time", touches=np.bool_, changed=np.bool_)
+"""Force on a body in the world frame [N]; for how long it has been in contact, or not [s]; whether it is now, and
+whether that has changed in this step.
+"""
 REPORT = record_type("nx ny depth x y force", a=np.int64, b=np.int64)
 """A contact of a step: bodies a and b, the unit vector from b to a, depth [m], point [m] and force [N]."""
 PAIR = record_type(
@@ -39,17 +43,12 @@ class Pushing(Struct):
 
     Attributes:
         drive: Velocity of each drive, which contacts do not change [m/s or rad/s], shape ``(n_worlds, n_bodies, 3)``.
-        force: Sum of the forces on each body [N], shape ``(n_worlds, n_bodies, 2)``.
-        contact_time: For how long it has been in contact [s], shape ``(n_worlds, n_bodies)``.
-        air_time: For how long it has not, likewise.
-        in_contact: Whether it is in contact, likewise.
-        changed: Whether that has changed in this step, likewise.
+        felt: What each body feels, shape ``(n_worlds, n_bodies)``.
         n_reports: Number of reports, shape ``(n_worlds,)``.
         reports: Contacts of the last step, in the order in which they were found, shape ``(n_worlds, n_pairs)``.
         boxes: Boxes of bodies: x0, y0, x1, y1 [m], shape ``(n_slots, n_bodies, 4)``.
         margin: How far bodies may come in the step [m], shape ``(n_slots,)``.
-        items: Scratch for the order of bodies: boxes of nodes, first body and number, ``(n_slots, n_bodies, 6)``.
-        nodes: Scratch likewise.
+        items: Scratch for the order of bodies: boxes of nodes, first body and number, ``(n_slots, 2, n_bodies, 6)``.
         order: Scratch for the order of bodies, shape ``(n_slots, 4, n_bodies)``.
         pairs: Pairs of bodies, shape ``(n_slots, n_pairs)``.
         sequence: Pairs in the order in which they are treated, shape ``(n_slots, n_pairs)``.
@@ -57,23 +56,17 @@ class Pushing(Struct):
         blockers: Blockers of bodies, shape ``(n_slots, 2 n_pairs)``.
         bounces: Bounces, shape ``(n_slots, n_pairs)``.
         counts: Numbers of pairs, blockers, bounces and searches, shape ``(n_slots, 4)``.
-        spans: Boxes around their pieces now: x0, y0, x1, y1 [m], shape ``(n_slots, n_pieces, 4)``.
-        edge: Box around an edge of the map, shape ``(n_slots, 4)`` [m].
+        spans: Boxes around pieces now, and around an edge of the map: x0, y0, x1, y1 [m], ``(n_slots, n, 4)``.
         corners: Corners of all pieces in the world frame [m], and two of an edge of the map, ``(n_slots, n, 2)``.
     """
 
     drive: Floats
-    force: Floats
-    contact_time: Floats
-    air_time: Floats
-    in_contact: Flags
-    changed: Flags
+    felt: Records
     n_reports: Ints
     reports: Records
     boxes: Floats
     margin: Floats
     items: Floats
-    nodes: Floats
     order: Ints
     pairs: Records
     sequence: Ints
@@ -82,7 +75,6 @@ class Pushing(Struct):
     bounces: Records
     counts: Ints
     spans: Floats
-    edge: Floats
     corners: Floats
 
 
@@ -108,17 +100,12 @@ def lay_pushing(scenario: Scenario, matter: Matter | None, model: Model, n_slots
     n_pairs = n * (n - 1) // 2 + n * (n_bodies - n)
     return Pushing(
         drive=np.zeros((n_worlds, n_bodies, 3)),
-        force=np.zeros((n_worlds, n_bodies, 2)),
-        contact_time=np.zeros((n_worlds, n_bodies)),
-        air_time=np.zeros((n_worlds, n_bodies)),
-        in_contact=np.zeros((n_worlds, n_bodies), np.bool_),
-        changed=np.zeros((n_worlds, n_bodies), np.bool_),
+        felt=np.zeros((n_worlds, n_bodies), FELT),
         n_reports=np.zeros(n_worlds, np.int64),
         reports=np.zeros((n_worlds, n_pairs), REPORT),
         boxes=np.zeros((n_slots, n_bodies, 4)),
         margin=np.zeros(n_slots),
-        items=np.zeros((n_slots, n_bodies, 6)),
-        nodes=np.zeros((n_slots, n_bodies, 6)),
+        items=np.zeros((n_slots, 2, n_bodies, 6)),
         order=np.zeros((n_slots, 4, n_bodies), np.int64),
         pairs=np.zeros((n_slots, n_pairs), PAIR),
         sequence=np.zeros((n_slots, n_pairs), np.int64),
@@ -126,8 +113,7 @@ def lay_pushing(scenario: Scenario, matter: Matter | None, model: Model, n_slots
         blockers=np.zeros((n_slots, 2 * n_pairs), BLOCKER),
         bounces=np.zeros((n_slots, n_pairs), BOUNCE),
         counts=np.zeros((n_slots, 4), np.int64),
-        spans=np.zeros((n_slots, matter.n_corners.shape[1], 4)),
-        edge=np.zeros((n_slots, 4)),
+        spans=np.zeros((n_slots, matter.n_corners.shape[1] + 1, 4)),
         corners=np.zeros((n_slots, n_corners + 2, 2)),
     )
 
@@ -137,11 +123,11 @@ def begin_pushing(worlds: Ints, push: Pushing, state: State) -> None:
     """Begin an episode: nobody feels anything, and drives have the velocities of their bodies.
 
     Reads: state (velocity).
-    Writes: push (air_time, changed, contact_time, drive, force, in_contact, n_reports).
+    Writes: push (drive, felt, n_reports).
     """
     for w in worlds:
         push.n_reports[w] = 0
-        for b in range(push.force.shape[1]):
+        for b in range(push.felt.shape[1]):
             forget_body(w, b, push, state)
 
 
@@ -150,7 +136,7 @@ def forget_contacts(worlds: Ints, bodies: Ints, chosen: Flags, push: Pushing, st
     """Let some bodies begin anew where ``chosen``, shape ``(n_worlds, n_bodies)``.
 
     Reads: state (velocity).
-    Writes: push (air_time, changed, contact_time, drive, force, in_contact).
+    Writes: push (drive, felt).
     """
     for w in worlds:
         for k in range(bodies.shape[0]):
@@ -163,11 +149,10 @@ def forget_body(w: int, b: int, push: Pushing, state: State) -> None:
     """Forget what a body has felt.
 
     Reads: state (velocity).
-    Writes: push (air_time, changed, contact_time, drive, force, in_contact).
+    Writes: push (drive, felt).
     """
-    push.force[w, b, 0], push.force[w, b, 1] = 0.0, 0.0
-    push.contact_time[w, b], push.air_time[w, b] = 0.0, 0.0
-    push.in_contact[w, b], push.changed[w, b] = False, False
+    felt = push.felt[w, b]
+    felt.x, felt.y, felt.contact_time, felt.air_time, felt.touches, felt.changed = 0.0, 0.0, 0.0, 0.0, False, False
     for axis in range(3):
         push.drive[w, b, axis] = state.velocity[w, b, axis]
 
@@ -176,7 +161,7 @@ def forget_body(w: int, b: int, push: Pushing, state: State) -> None:
 def follow(worlds: Ints, bodies: Ints, push: Pushing, matter: Matter, model: Model, state: State) -> None:
     """Let drives follow their commands, which are in ``state.velocity``: with their lag, and no faster than they grip.
 
-    Reads: push (drive), matter (gravity, substance), model (drive, movable, step_time), state (velocity).
+    Reads: push (drive), matter (gravity, substance), model (movable, step_time), state (velocity).
     Writes: push (drive), state (velocity).
     """
     dt = model.step_time[0]
@@ -187,7 +172,7 @@ def follow(worlds: Ints, bodies: Ints, push: Pushing, matter: Matter, model: Mod
                 continue
             now, asked = push.drive[w, b], state.velocity[w, b]
             share = min(1.0, dt / stuff.tau) if stuff.tau > 0.0 else 1.0
-            drive = model.drive[b]
+            drive = stuff.drive
             n_speeds = 0 if drive == NO_DRIVE else 1 if drive in (DIFFERENTIAL, ACKERMANN) else 2
             change2 = 0.0
             for axis in range(3):
@@ -206,15 +191,15 @@ def follow(worlds: Ints, bodies: Ints, push: Pushing, matter: Matter, model: Mod
 def greatest_travel(w: int, matter: Matter, model: Model, state: State) -> float:
     """Return the speed [m/s] of the fastest body, or of the one that may be.
 
-    Reads: matter (substance), model (drive, movable, present, velocity_max), state (twist).
+    Reads: matter (substance), model (movable, present, velocity_max), state (twist).
     """
     fastest = 0.0
     limits = model.velocity_max[row_of(model.velocity_max, w)]
     for b in range(model.movable.shape[0]):
         if not model.movable[b] or not model.present[w, b]:
             continue
-        speed, drive = 0.0, model.drive[b]
-        if not matter.substance[b].passive:
+        speed, drive = 0.0, matter.substance[b].drive
+        if drive != COASTS:
             aside = 0.0 if drive in (DIFFERENTIAL, ACKERMANN) else limits[b, 1]
             speed = np.sqrt(limits[b, 0] * limits[b, 0] + aside * aside)
         vx, vy = state.twist[w, b, 0], state.twist[w, b, 1]

@@ -23,14 +23,13 @@ def part_bodies(
 ) -> None:
     """Take all bodies apart, and note what they feel.
 
-    Reads: push (air_time, blockers, bounces, boxes, changed, contact_time, corners, counts, drive, edge, force,
-        in_contact, items, margin, motions, n_reports, nodes, order, pairs, reports, sequence, spans), matter (centre,
-        corners, edge_rank, first_corner, first_piece, inertia, map_box, n_corners, pushable, rounding, substance),
-        model (disc_count, disc_start, drive, local_discs, local_segments, map_frame, movable, present, segment_count,
-        segment_start, solid, step_time, unobstructed, velocity_max), state (discs, pose, segments, twist, velocity).
-    Writes: push (air_time, blockers, bounces, boxes, changed, contact_time, corners, counts, edge, force, in_contact,
-        items, margin, motions, n_reports, nodes, order, pairs, reports, sequence, spans), state (discs, pose, segments,
-        twist, velocity).
+    Reads: push (blockers, bounces, boxes, corners, counts, drive, felt, items, margin, motions, n_reports, order,
+        pairs, reports, sequence, spans), matter (centre, corners, edge_rank, first_corner, first_piece, inertia,
+        map_box, n_corners, pushable, rounding, substance), model (disc_count, disc_start, local_discs, local_segments,
+        map_frame, movable, present, segment_count, segment_start, solid, step_time, unobstructed, velocity_max), state
+        (discs, pose, segments, twist, velocity).
+    Writes: push (blockers, bounces, boxes, corners, counts, felt, items, margin, motions, n_reports, order, pairs,
+        reports, sequence, spans), state (discs, pose, segments, twist, velocity).
     """
     for w in worlds:
         push.n_reports[w] = 0
@@ -70,10 +69,10 @@ def sweep_once(
 ) -> bool:
     """Take the bodies of each pair apart, in order; return whether any has moved.
 
-    Reads: push (blockers, bounces, boxes, corners, counts, edge, margin, motions, n_reports, order, pairs, reports,
-        sequence, spans), matter (corners, edge_rank, first_corner, first_piece, inertia, n_corners, rounding,
-        substance), state (twist).
-    Writes: push (blockers, bounces, corners, counts, edge, motions, n_reports, order, pairs, reports, spans).
+    Reads: push (blockers, bounces, boxes, corners, counts, margin, motions, n_reports, order, pairs, reports, sequence,
+        spans), matter (corners, edge_rank, first_corner, first_piece, inertia, n_corners, rounding, substance), state
+        (twist).
+    Writes: push (blockers, bounces, corners, counts, motions, n_reports, order, pairs, reports, spans).
     """
     motions, pairs, n_pairs = push.motions[slot], push.pairs[slot], push.counts[slot, PAIRS]
     push.counts[slot, BLOCKERS] = 0

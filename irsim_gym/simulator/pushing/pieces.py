@@ -86,9 +86,8 @@ def place_pieces(w: int, slot: int, b: int, push: Pushing, matter: Matter) -> No
 def deepest(w: int, slot: int, a: int, b: int, push: Pushing, matter: Matter, cells: CellMaps | None) -> Overlap:
     """Return the deepest overlap of a piece of body a with one of body b, the first of equal ones.
 
-    Reads: push (boxes, corners, edge, margin, spans), matter (edge_rank, first_corner, first_piece, n_corners,
-        rounding).
-    Writes: push (corners, edge).
+    Reads: push (boxes, corners, margin, spans), matter (edge_rank, first_corner, first_piece, n_corners, rounding).
+    Writes: push (corners, spans).
     """
     best, row = APART, row_of(matter.n_corners, w)
     for i in range(matter.first_piece[a], matter.first_piece[a + 1]):
@@ -115,8 +114,8 @@ def deepest_in_map(w: int, slot: int, a: int, piece: int, push: Pushing, matter:
 
     As in IR-SIM, only edges count that body a may reach by itself in this step, however far others push it.
 
-    Reads: push (boxes, corners, edge, margin, spans), matter (edge_rank, first_corner, n_corners, rounding).
-    Writes: push (corners, edge).
+    Reads: push (boxes, corners, margin, spans), matter (edge_rank, first_corner, n_corners, rounding).
+    Writes: push (corners, spans).
     """
     corners = push.corners[slot]
     squares = cells.squares[w if w < cells.squares.shape[0] else 0]
@@ -126,7 +125,7 @@ def deepest_in_map(w: int, slot: int, a: int, piece: int, push: Pushing, matter:
     own = matter.first_corner[piece], matter.n_corners[row, piece], matter.rounding[row, piece]
     first_i, last_i = cell_range(here[0] - NEARBY, here[2] + NEARBY, cells.x, cells.width, columns)
     first_j, last_j = cell_range(here[1] - NEARBY, here[3] + NEARBY, cells.y, cells.height, rows)
-    best, best_rank, span, margin = APART, 0, push.edge[slot], push.margin[slot]
+    best, best_rank, span, margin = APART, 0, push.spans[slot, push.spans.shape[1] - 1], push.margin[slot]
     # Each cell with the sides that it shares with free ones: below, left, above, right.
     for i in range(first_i, last_i + 1):
         for j in range(first_j, last_j + 1):

@@ -112,9 +112,9 @@ class ContactReadings(BodyReadings, ABC):
     @property
     def drive_velocity_xy(self) -> Floats:
         """Velocity of its drive, which contacts do not change, in the world frame [m/s], shape ``(2,)``."""
-        push, drive = self._context.pushing, int(self._model.drive[self._b])
+        push, drive = self._context.pushing, int(self._stuff("drive"))
         rows = self._now.velocity if push is None else push.drive
-        return self._vector(np.array(ground_velocity(rows[self._w, self._b], self.passive, drive, self.orientation)))
+        return self._vector(np.array(ground_velocity(rows[self._w, self._b], drive, self.orientation)))
 
     @property
     def contact(self) -> BodyContact:
@@ -127,10 +127,9 @@ class ContactReadings(BodyReadings, ABC):
         reports = [
             ContactReport(other, one.point, sign * one.normal, one.depth, one.force) for other, sign, one in sides
         ]
-        touches, changed = bool(push.in_contact[w, b]), bool(push.changed[w, b])
-        times = float(push.contact_time[w, b]), float(push.air_time[w, b])
-        began = changed and touches, changed and not touches
-        return BodyContact(touches, self._vector(push.force[w, b]), *times, *began, records, reports)
+        x, y, contact_time, air_time, touches, changed = push.felt[w, b].item()
+        began, force = (changed and touches, changed and not touches), self._vector(np.array([x, y]))
+        return BodyContact(touches, force, contact_time, air_time, *began, records, reports)
 
     def _records(self) -> list[ContactRecord]:
         """Return all contacts of its world."""

@@ -40,7 +40,7 @@ def begun(name: str, n_worlds: int = 1, **options: Any) -> Any:
 
 def felt(simulation: Any) -> tuple[np.ndarray, ...]:
     push, state = simulation.parts.pushing, simulation.state
-    return state.pose, state.velocity, state.twist, push.drive, push.force, push.contact_time, push.air_time
+    return state.pose, state.velocity, state.twist, push.drive, *(push.felt[name] for name in push.felt.dtype.names)
 
 
 NAMES = sorted(worlds())
@@ -56,9 +56,11 @@ def test_a_world_is_that_of_ir_sim(name: str) -> None:
         simulation.step()
         assert state.pose[0] == pytest.approx(expected["state"][step], abs=1e-9)
         assert state.velocity[0] == pytest.approx(expected["velocity"][step], abs=1e-9)
-        times = np.stack([push.contact_time[0], push.air_time[0]], axis=1)
+        times = np.stack([push.felt["contact_time"][0], push.felt["air_time"][0]], axis=1)
         if name != "corner" or step < WEDGED:
-            assert push.force[0] == pytest.approx(expected["force"][step], abs=1e-6)
+            assert np.stack([push.felt["x"][0], push.felt["y"][0]], axis=1) == pytest.approx(
+                expected["force"][step], abs=1e-6
+            )
             assert times == pytest.approx(expected["times"][step], abs=1e-9)
             touches = np.zeros(expected["contacts"][step].shape, np.bool_)
             told = push.reports[0, : push.n_reports[0]]

@@ -26,6 +26,10 @@ def begun(*obstacles: dict[str, Any], robot: Any = None, n_worlds: int = 1, **wo
     return simulation
 
 
+def force(push: Any, b: int) -> list[float]:
+    return [push.felt["x"][0, b], push.felt["y"][0, b]]
+
+
 def after(simulation: Any, steps: int) -> Any:
     for _ in range(steps):
         simulation.step()
@@ -74,12 +78,12 @@ def test_a_robot_pushes_what_its_grip_can_and_stalls_at_more(masses: list[float]
     push, state, last = simulation.parts.pushing, simulation.state, len(masses)
     assert state.velocity[0, 0, 0] == pytest.approx(1.0 if moves else 0.0, abs=1e-9)
     assert push.drive[0, 0, 0] == 1.0  # the wheels do not know
-    assert push.in_contact[0].all()
+    assert push.felt["touches"][0].all()
     gaps = [0.6] * last
     assert np.diff(state.pose[0, :, 0]) == pytest.approx(gaps, abs=1e-5)
     # The floor holds a box with 0.5 * 9.81 N for a kilogram; a robot that stalls presses as hard as it grips.
     felt = GRIP * masses[0] if moves else GRIP
-    assert push.force[0, 0] == pytest.approx([-felt, 0.0], abs=1e-6)
+    assert force(push, 0) == pytest.approx([-felt, 0.0], abs=1e-6)
 
 
 def test_a_wall_stops_what_is_across_and_lets_slide_what_is_along() -> None:
@@ -159,7 +163,7 @@ def test_unobstructed_bodies_and_absent_ones_take_no_part() -> None:
     after(simulation, 40)
     assert simulation.state.pose[0, 0, 0] > 5.0
     assert simulation.state.pose[0, 1:, 0].tolist() == [2, 4]
-    assert not simulation.parts.pushing.in_contact.any()
+    assert not simulation.parts.pushing.felt["touches"].any()
 
 
 def test_levels_draw_outlines_and_maps() -> None:
@@ -185,7 +189,7 @@ def test_levels_draw_outlines_and_maps() -> None:
     disc = many.model.local_discs[:, many.model.disc_start[2], 2]
     assert matter.inertia[:, 2] == pytest.approx(0.5 * 0.5 * disc**2)
     assert np.array_equal(many.state.pose[2], single.state.pose[0])
-    assert np.array_equal(many.parts.pushing.force[2], single.parts.pushing.force[0])
+    assert np.array_equal(many.parts.pushing.felt[2], single.parts.pushing.felt[0])
 
 
 def test_what_contact_does_not_go_with_is_refused() -> None:
@@ -201,7 +205,7 @@ def test_who_begins_anew_has_felt_nothing() -> None:
     robot = {**ROBOT, "distribution": {"name": "random"}, "goal": [9, 4]}
     simulation = begun({**BOX, "mass": 5, "state": [5, 5, 0]}, robot=robot, n_worlds=2)
     push = simulation.parts.pushing
-    push.contact_time[:], push.force[:], push.drive[:] = 1.0, 1.0, 0.5
+    push.felt["contact_time"], push.felt["x"], push.drive[:] = 1.0, 1.0, 0.5
     simulation.respawn(Shard(np.arange(2)), np.array([0]), np.array([[True], [False]]))
-    assert push.contact_time.tolist() == [[0.0, 1.0], [1.0, 1.0]]
+    assert push.felt["contact_time"].tolist() == [[0.0, 1.0], [1.0, 1.0]]
     assert push.drive[:, 0, 0].tolist() == [0.0, 0.5]
