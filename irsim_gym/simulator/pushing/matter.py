@@ -178,13 +178,14 @@ def _weigh_union(b: int, outline: Outline, matter: Matter) -> None:
     """Write centre and inertia of a body of several parts: those of their union, if it is one polygon."""
     import shapely
 
-    union = shapely.union_all([shapely.Polygon(part) for part in outline.parts])
-    centre, mass, given = shapely.get_coordinates(union.centroid)[0], *matter.substance[b][["mass", "given"]].item()
+    union: Any = shapely.union_all([shapely.Polygon(part) for part in outline.parts])
+    centre, stuff = shapely.get_coordinates(union.centroid)[0], matter.substance[b]
     square = 0.5 * float(shapely.minimum_bounding_radius(union)) ** 2
     if union.geom_type == "Polygon":
         sides = chain(shapely.get_coordinates(union.exterior)[:-1], closed=True)
         square = polar_moment(sides, float(centre[0]), float(centre[1]))
-    matter.centre[:, b], matter.inertia[:, b] = centre, mass * square if np.isnan(given) else given
+    given = float(stuff["given"])
+    matter.centre[:, b], matter.inertia[:, b] = centre, stuff["mass"] * square if np.isnan(given) else given
 
 
 def _rank_edges(occupied: Flags, rank: Ints) -> None:
