@@ -24,7 +24,7 @@ from irsim_gym.simulator.step.fog import lay_fog
 from irsim_gym.simulator.step.guide import guide
 from irsim_gym.simulator.step.parts import Parts
 from irsim_gym.simulator.step.patience import find_patient
-from irsim_gym.simulator.step.turns import take_turns
+from irsim_gym.simulator.step.turns import Turn, take_turns
 from irsim_gym.simulator.world.group import Group, WorldContext
 from irsim_gym.simulator.world.model import LOOP, WANDER, Model
 from irsim_gym.simulator.world.outline import Outline
@@ -39,8 +39,7 @@ def collect_parts(
 ) -> Parts:
     """Return the groups and lists of a scenario whose constants are written already."""
     bodies = list(enumerate(scenario.bodies))
-    sensors = [(b, sensor) for b, body in bodies for sensor in body.sensors]
-    scanners = _sensors(sensors, outlines, model, n_slots)
+    scanners = _sensors([(b, sensor) for b, body in bodies for sensor in body.sensors], outlines, model, n_slots)
     group_behaviors = _group_behaviors(scenario, scanners, model, agents, n_slots)
     # A behaviour of one's own does not act where a learner or the behaviour of the group commands the body.
     led = {*agents, *(int(b) for group in group_behaviors for b in group.members)}
@@ -52,8 +51,7 @@ def collect_parts(
     ]
     names = tuple(body.name for _, body in bodies)
     matter = lay_matter(scenario, model) if is_weighed(scenario) else None
-    pushing = lay_pushing(scenario, matter, model, n_slots)
-    context = make_context(scenario, model, scanners, matter, pushing)
+    context = make_context(scenario, model, scanners, matter, lay_pushing(scenario, matter, model, n_slots))
     kinematics = _kinematics(scenario, model, matter)
     placements, given = _placements(scenario, model, n_slots), given_bodies(scenario)
     for group in (*group_behaviors, *behaviors, *kinematics, *scanners, *placements):
@@ -63,15 +61,13 @@ def collect_parts(
     for group in (*behaviors, *group_behaviors):
         guide(group, scenario.bodies, kinematics, model)
     external = scenario.world.step_mode == "external"
-    in_order = scenario.world.update == "sequential"
     everyone, movers = np.arange(len(bodies), dtype=np.int64), np.flatnonzero(model.movable)
-    driven = movers if matter is None else np.setdiff1d(movers, matter.coasting)
     patience = find_patient(scenario, model, agents)
     return Parts(
         kinematics=kinematics,
         behaviors=behaviors,
         group_behaviors=[] if external else group_behaviors,
-        turns=[] if external else take_turns(movers, behaviors, kinematics, driven, in_order=in_order),
+        turns=[] if external else _turns(scenario, behaviors, kinematics, movers, matter),
         visitors=[] if external else [group for group in behaviors if hasattr(group.kind, "appear")],
         external=external,
         footprints=_footprints(scenario, model),
@@ -94,10 +90,17 @@ def collect_parts(
         sweep=lay_sweep(scenario, model, movers, None if patience is None else patience.free),
         patience=patience,
         matter=matter,
-        pushing=pushing,
+        pushing=context.pushing,
         names=names,
         places=tuple(_place(scenario, body) for _, body in bodies),
     )
+
+
+def _turns(
+    scenario: Scenario, behaviors: list[Group], kinematics: list[Group], movers: Ints, matter: Matter | None
+) -> list[Turn]:
+    driven = movers if matter is None else np.setdiff1d(movers, matter.coasting)
+    return take_turns(movers, behaviors, kinematics, driven, in_order=scenario.world.update == "sequential")
 
 
 def make_context(

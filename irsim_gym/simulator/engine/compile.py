@@ -104,8 +104,6 @@ def compile(
     _hide_map(model)
     write_people(scenario, model)
     model.rigid[0] = not varied.any()
-    coasts = np.array([body.coasts for body in scenario.bodies], np.bool_)
-    model.stands[:] = ~(model.movable & (model.driven | coasts))
     body_buckets.lay_out(model, varied)
     shards = Shards(n_worlds, num_threads)
     parts = collect_parts(scenario, outlines, model, agents, shards.n_slots)
@@ -189,6 +187,7 @@ def _write_motion(b: int, body: BodySpec, model: Model, *, is_agent: bool) -> No
     model.wheelbase[b] = _wheelbase(body)
     model.initial_steering[b] = body.steering
     model.movable[b] = not body.static
+    model.stands[b] = body.static or not (model.driven[b] or body.coasts)
     model.unobstructed[b] = body.unobstructed
     model.arrive_mode[b] = ARRIVE_MODES[body.arrive_mode]
     model.goal_threshold[:, b] = body.goal_threshold
