@@ -124,6 +124,16 @@ class Stops(_Fixed):
     lost_beams: float = Field(description="A share.")
 
 
+class ShieldForm(_Fixed):
+    """The shield of shield.py, which the driver applies to each command; results are those without it."""
+
+    name: Literal["stop_in_time"]
+    margin: float = Field(description="Distance that is kept, where the robot is not nearer yet [m].")
+    latency: float = Field(description="Time from measuring until a new command acts [s].")
+    lag: float = Field(description="Time constant with which the drive follows its commands [s].")
+    radius: float = Field(description="Of the disc around the robot's origin that it keeps free [m].")
+
+
 class Results(_Fixed):
     """Success on levels of the simulator, with its 95 % Wilson interval."""
 
@@ -156,6 +166,7 @@ class RobotContract(_Fixed):
     outputs: dict[str, tuple[str, ...]]
     stop: Stops
     results: Results
+    shield: ShieldForm | None = Field(None, description="None for drivers without one.")
 
 
 def contract_schema() -> dict[str, Any]:

@@ -38,11 +38,12 @@ class Driver:
         self.now = self.scan_time = self.pose_time = self.bodies_time = -np.inf
         self.good_scans, self.has_fault, self.scan_fault, self.note, self.frame, self.goal_frame = 0, False, *[""] * 4
         nothing: Any = None
-        self.ranges = self.pose = self.way = self.map = nothing
+        self.ranges = self.pose = self.way = nothing
         self.velocity, self.others = np.zeros((1, len(self.contract["robot"]["low"]))), np.zeros((1, 0, 5))
         self.states: dict[str, Any] = {}
-        if self.contract["seen_map"]:
-            self.map = runpy.run_path(str(Path(contract).with_name("perceive.py")))["SeenMap"](self.contract)
+        beside: Any = lambda file, name: runpy.run_path(str(Path(contract).with_name(file)))[name](self.contract)  # noqa: E731
+        self.map = beside("perceive.py", "SeenMap") if self.contract["seen_map"] else nothing
+        self.shield = beside("shield.py", "Shield") if self.contract.get("shield") else nothing
         self.forget()
 
     def forget(self, *kept: str) -> None:
@@ -55,15 +56,12 @@ class Driver:
 
     def scan(self, msg: Any) -> None:
         """Take a sensor_msgs/LaserScan: its beams are found by their angles, and the shortest of a share counts."""
-        ranges, step, size = np.array(msg.ranges, float), float(msg.angle_increment), len(msg.ranges)
-        ranges[(ranges == 0.0) & (self.no_return == "zero")] = np.inf
-        lost = SCANS["lost_beams"](msg, self.no_return)
-        ranges[lost | (ranges > msg.range_max)], ranges[ranges == -np.inf] = np.inf, 0.0
+        (ranges, lost), step, size = SCANS["cleaned"](msg, self.no_return), float(msg.angle_increment), len(msg.ranges)
         self.ranges = SCANS["as_beams"](ranges[None], (msg.angle_min, step), self.mount, self.own)
         found = {"beams": size, "range_max": msg.range_max, "field_of_view": abs(step) * max(size - 1, 0)}
         found["x"], found["y"], found["turn"] = self.mount
         self.scan_fault, self.note = SCANS["compared"](found, self.own, abs(step))
-        self.scan_time = SCANS["seconds"](msg.header.stamp)
+        self.scan_time, self.seen = SCANS["seconds"](msg.header.stamp), (msg, ranges, lost, self.velocity)
         if size and lost.mean() > self.contract["stop"]["lost_beams"]:
             self.scan_fault = f"{lost.mean():.0%} of the beams are lost"
         self.good_scans = 0 if self.scan_fault else self.good_scans + 1
@@ -115,12 +113,16 @@ class Driver:
             self.good_scans, self.has_fault = 0, True
             return self._still("the command is not finite")
         self.states = dict(zip(self.states, after))  # noqa: B905  (Python 3.8 knows no strict)
+        if self.shield:
+            command, reason = self.shield.slowed(self, command)
         if robot["steers"]:
             command[1] = command[0] * np.tan(command[1]) / robot["wheelbase"]
-        return (*command.tolist(), "")
+        return (*command.tolist(), reason)
 
     def _still(self, reason: str) -> tuple[Any, ...]:
         self.states["action"] = np.full_like(self.states["action"], self.contract["states"]["action"]["start"])
+        if self.shield:
+            self.shield.sent.append(np.zeros(3))
         if "pending" in self.states:  # this command is under way, too
             self.states["pending"] = np.pad(self.states["pending"][:, 1:], ((0, 0), (0, 1), (0, 0)))
         return (*[0.0] * self.velocity.shape[1], reason)

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from irsim_gym.base.errors import IrsimGymError
-from irsim_gym.base.families import KINEMATICS
+from irsim_gym.base.families import FOOTPRINTS, KINEMATICS, SHIELDS
 from irsim_gym.base.version import __version__
 from irsim_gym.evaluation.measures.metrics import rate
 from irsim_gym.evaluation.policies.perception import Perceived
@@ -36,17 +36,19 @@ from irsim_gym.robot.contract import (
     RobotContract,
     RobotLimits,
     ScenarioForm,
+    ShieldForm,
     StateForm,
     Stops,
     TensorForm,
     contract_schema,
 )
 from irsim_gym.robot.graph_policy import ComparedPolicy, DelayedPolicy, GraphPolicy
-from irsim_gym.robot.inputs import among_discs, limits_of, scanner_form, seen_map_form, seers, sees_moving_only
+from irsim_gym.robot.inputs import among_discs, is_disc, limits_of, scanner_form, seen_map_form, seers, sees_moving_only
 from irsim_gym.robot.model_card import model_card
 from irsim_gym.robot.nodes.package import check_node, package_files
 from irsim_gym.robot.policy_graph import PolicyGraph, UnfitForRobotError, policy_graph
-from irsim_gym.scenario.reading.parameters import PERTURBED
+from irsim_gym.robot.shield import AXES
+from irsim_gym.scenario.reading.parameters import PERTURBED, SHIELDED
 from irsim_gym.simulator.world.model import ACKERMANN, STATE
 from irsim_gym.tasks import Episodes, Outcome
 from irsim_gym.tasks.episodes.prediction import steers
@@ -61,7 +63,8 @@ TOLERANCE = 1e-5
 PERIODS, LOST = 3.0, 0.3
 ANY = {"bodies": ("n_bodies", 5)}
 """Shapes of inputs of any length, without the axis of the batch."""
-SCRIPTS = ("drive.py", "scans.py", "perceive.py")
+SCRIPTS = {"drive.py": "", "scans.py": "", "perceive.py": "seen_map", "shield.py": "shield"}
+"""Files beside the graph, and the field of a contract that asks for each."""
 FILES = ("policy.onnx", "contract.json", "contract.schema.json", "check.npz", "README.md", *SCRIPTS)
 
 
@@ -94,6 +97,8 @@ def export_for_robot(
     levels: int = LEVELS,
     node: str | None = None,
     bodies: str | None = None,
+    shield: str | None = None,
+    lag: float = 0.0,
 ) -> RobotExport:
     """Write a policy as ONNX with its contract, driver, check and model card.
 
@@ -106,6 +111,8 @@ def export_for_robot(
         levels: Number of ``test`` levels that are played by both.
         node: ``ros1`` or ``ros2``: a package of it is written around the export; None for none.
         bodies: ``tracked``: the robot's own tracker gives other bodies as discs; None for policies without them.
+        shield: What the driver's shield is, such as ``stop_in_time:margin=0.02``; None for that of the task, if any.
+        lag: Time constant of the robot's drive, which the shield reckons with [s].
 
     Raises:
         IrsimGymError: The policy cannot leave, the folder holds an export, or the graph's commands differ from the
@@ -141,7 +148,8 @@ def export_for_robot(
     np.savez_compressed(check, **dict[str, Any](samples))
     hashes = Hashes(**made_of, onnx=_sha256(model), check=_sha256(check.getvalue()))
     form = {"policy": name, "predict": predict, "results": results, **_form(played, graph, samples, period)}
-    contract = RobotContract(hashes=hashes, scenario=_scenario_form(asked), **form)
+    guard = _shield_form(asked, shield, predict, lag)
+    contract = RobotContract(hashes=hashes, scenario=_scenario_form(asked), shield=guard, **form)
     _write(folder, contract, {"policy.onnx": model, "check.npz": check.getvalue()}, played, node)
     return RobotExport(contract, compared.n_commands, compared.most, graph.n_nodes, folder)
 
@@ -178,10 +186,31 @@ def _among_discs(played: Episodes, asked: ScenarioRequest, policy: SavedPolicy, 
 
 
 def _played(asked: ScenarioRequest, policy: SavedPolicy, n_worlds: int) -> Episodes:
-    """Return worlds for a policy without disturbances from outside and predictions: on a robot, the graph predicts."""
+    """Return worlds for a policy without disturbances from outside, predictions and shields: a robot has its own."""
     kept = {name: value for name, value in (asked.parameters or {}).items() if name != PERTURBED}
     played = Perceived(replace(asked, parameters=kept).episodes(n_worlds)).of(policy)
-    return Episodes(played.simulation, replace(played.task, predict=False)) if played.task.predict else played
+    own = replace(played.task, predict=False, shield=None)
+    return played if own == played.task else Episodes(played.simulation, own)
+
+
+def _shield_form(asked: ScenarioRequest, text: str | None, latency: float, lag: float) -> ShieldForm | None:
+    """Return what a contract says of a shield; None without one.
+
+    Raises:
+        IrsimGymError: It cannot be used, or the driver does not know it or the robot's drive.
+    """
+    shielded = {SHIELDED: text} if text else {}
+    played = replace(asked, parameters={**(asked.parameters or {}), **shielded}).episodes(1)
+    options, model, b = played.task.shield, played.simulation.model, played.task.agents[0]
+    if options is None:
+        return None
+    name, body = SHIELDS.name_of(type(options)), played.simulation.scenario.bodies[b]
+    drive, shape = KINEMATICS.name_of(type(body.kinematics)), FOOTPRINTS.name_of(type(body.shape))
+    if name != "stop_in_time" or drive not in AXES or not is_disc(model)[b]:
+        known = f"stop_in_time, for discs with the drive {', '.join(AXES)}"
+        raise IrsimGymError(f"--shield: drivers know {known}; this is {name} for a {shape} with the drive {drive}")
+    radius = float(model.reach[0, b])
+    return ShieldForm(name="stop_in_time", margin=options.margin, latency=latency, lag=lag, radius=radius)
 
 
 def _trained_in(source: str, policy: SavedPolicy) -> ScenarioRequest:
@@ -324,7 +353,7 @@ def _write(
 ) -> None:
     for name, content in contents.items():
         write_bytes(folder / name, content)
-    for name in SCRIPTS if contract.seen_map else SCRIPTS[:2]:
+    for name in [name for name, field in SCRIPTS.items() if not field or getattr(contract, field)]:
         write_bytes(folder / name, Path(__file__).with_name(name).read_bytes())
     write_text(folder / "contract.json", contract.model_dump_json(indent=2) + "\n")
     write_json(folder / "contract.schema.json", contract_schema())

@@ -34,7 +34,7 @@ onnxruntime = pytest.importorskip("onnxruntime")
 
 
 def test_the_files_of_an_export(exported: RobotExport) -> None:
-    assert {file.name for file in exported.folder.iterdir()} == {*FILES} - {"perceive.py"}
+    assert {file.name for file in exported.folder.iterdir()} == {*FILES} - {"perceive.py", "shield.py"}
     onnx.checker.check_model(onnx.load(exported.folder / "policy.onnx"), full_check=True)
     assert exported.difference <= 1e-5
     assert exported.n_commands > 1000

@@ -46,7 +46,7 @@ class BagCheck(NamedTuple):
         found = []
         for words, ticks in groupby(range(len(self.times)), lambda k: re.sub(r"\d[\d.]*", "", self.reasons[k])):
             every = list(ticks)
-            if words:
+            if words and not words.startswith("slowed"):
                 found.append((self.times[every[0]], self.times[every[-1]], self.reasons[every[0]], words))
         return found
 

@@ -107,7 +107,7 @@ class Driving:
         *velocity, reason = driver.tick(now)
         kind = re.sub(r"[\d.]+", "", reason)  # an age grows, and is said once
         if kind != self.said:
-            self.say(f"stands: {reason}" if reason else "drives")
+            self.say(f"stands: {reason}" if reason and not any(velocity) else reason or "drives")
         self.said = kind
         drive, share = driver.contract["robot"]["drive"], self.settings["speed_share"]
         left = velocity[1] if drive.startswith("omni") else 0.0
