@@ -55,6 +55,7 @@ class TorchRows:
             world.
         final_observation: In rows that ended in this step, the observation before any restart, likewise.
         reward: Reward of the step, float32; 0 where ``acted`` is False.
+        cost: Cost of the step, likewise, also of the last step of an episode; 0 for tasks without ``near``.
         terminated: The agent's task has ended in this very step.
         truncated: The agent's episode was cut in this very step.
         acted: The agent was under way when the step began: its row is experience.
@@ -75,12 +76,12 @@ class TorchRows:
         self.batch = _batch_of(env)
         place: Any = ... if isinstance(env, Batch) else (slice(None), 0)
         worlds, shape = self.batch.worlds, (self.batch.n_worlds, self.batch.n_agents)
-        self._reward: Rays = np.zeros(shape, np.float32)
+        self._paid: Rays = np.zeros((2, *shape), np.float32)  # rewards, costs
         self._flags: dict[str, Flags] = {name: np.zeros(shape, np.bool_) for name in FLAGS}
         seen = [worlds.layout.shared(part, place) for part in (worlds.episodes.view.percepts, self.batch.last_seen)]
         self._observation, self._final = (on_each(part, torch.from_numpy) for part in seen)
-        self._action_shape = (*self._reward[place].shape, *(self.batch.action_space.shape or ()))
-        self._paid = torch.from_numpy(self._reward[place])
+        self._action_shape = (*self._paid[0][place].shape, *(self.batch.action_space.shape or ()))
+        self._shown_paid = [torch.from_numpy(one[place]) for one in self._paid]
         self._marks = {name: torch.from_numpy(flags[place]) for name, flags in self._flags.items()}
         self.episodes: dict[str, NDArray[Any]] = {}
         self.final_observation = self._shown(self._final)
@@ -134,13 +135,13 @@ class TorchRows:
         if batch is not self._env:
             given = given[:, None]
         reward, terminated, truncated, acted = batch.advance(given)
-        ended = terminated | truncated
+        ended, cost = terminated | truncated, acted * batch.worlds.episodes.view.infos.get("cost", 0)
         self.episodes = self._ended(ended)
         began = batch.begin_again(ended)
         if ended.any():
             self.final_observation = self._shown(self._final)
         flags = {"terminated": terminated, "truncated": truncated, "acted": acted, "live": batch.live, "began": began}
-        self._note(reward, flags)
+        self._note(np.stack((reward, cost)), flags)
 
     def _begun(self, began: Flags) -> None:
         """Show the beginnings of a reset, in which nobody has acted."""
@@ -155,12 +156,13 @@ class TorchRows:
         infos = {name: column[world, agent] for name, column in self.batch.worlds.episodes.view.infos.items()}
         return {"world": world, "agent": agent, "episode_return": self.batch.returns[world, agent], **infos}
 
-    def _note(self, reward: NDArray[Any], flags: Mapping[str, Flags]) -> None:
+    def _note(self, paid: NDArray[Any], flags: Mapping[str, Flags]) -> None:
         """Write what a step gave into the arrays behind the tensors, and show all."""
-        self._reward[...] = reward
+        self._paid[...] = paid
         for name, values in flags.items():
             self._flags[name][...] = values
-        self.observation, self.reward = self._shown(self._observation), self._moved(self._paid)
+        self.observation = self._shown(self._observation)
+        self.reward, self.cost = (self._moved(one) for one in self._shown_paid)
         self.terminated, self.truncated, self.acted, self.live, self.began = (
             self._moved(self._marks[name]) for name in FLAGS
         )

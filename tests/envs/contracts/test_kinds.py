@@ -15,8 +15,10 @@ import irsim_gym as ig
 from irsim_gym.base import families
 from irsim_gym.base.options import option_fields
 from irsim_gym.simulator.engine import Shard
+from irsim_gym.simulator.engine.shielding import lay_shield
 from irsim_gym.simulator.world.model import Model
 from irsim_gym.simulator.world.state import State
+from irsim_gym.tasks import Episodes, Outcome, load_task
 
 families.load()
 ROBOT: dict[str, Any] = {"kinematics": {"name": "diff"}, "shape": {"name": "circle", "radius": 0.2}}
@@ -224,6 +226,47 @@ def test_a_disturbance_shows_and_spares_the_robots_that_have_none(name: str) -> 
         changed |= {"reading"} if np.any(one["reading 0"][0] != other["reading 0"][0]) else set()
     assert changed
     assert "command" not in changed or "pose" in changed
+
+
+@pytest.mark.parametrize("drive", drives("diff") + drives("omni") + drives("omni_angular") + drives("acker"), ids=str)
+@pytest.mark.parametrize("name", running(families.SHIELDS))
+def test_a_shield_is_alike_in_batch_single_and_shards_and_writes_commands_alone(
+    name: str, drive: dict[str, Any]
+) -> None:
+    sensors = [{"name": "lidar2d", "number": 61, "angle_range": "2 * pi"}]
+    disc = {"shape": {"name": "circle", "radius": 0.5}, "state": [5, 4, 0]}
+    robot = {**ROBOT, "kinematics": drive, "state": [4.2, 4, 0.0], "goal": [7, 8, 0], "sensors": sensors}
+    loaded = ig.load_scenario({"world": {"name": "kinds"}, "robot": robot, "obstacle": disc}, {"shield": name})
+    task = load_task(loaded)
+    played = [
+        Episodes(ig.compile(loaded, n, agents=task.agents, num_threads=threads), task)
+        for n, threads in ((4, 1), (4, 3), (1, 1))
+    ]
+    for one, levels in zip(played, (range(4), range(4), (2,)), strict=True):
+        one.begin(np.arange(len(levels)), np.array(levels), "test")
+    rng = np.random.default_rng(0)
+    for _ in range(12):
+        actions = rng.uniform(-1.0, 1.0, (4, 1, int(played[0].action_sizes[0])))
+        actions[:, :, 0] = 1.0
+        for one in played:
+            one.step(actions if one.n_worlds == 4 else actions[[2]])
+        for field in ("pose", "velocity", "command"):
+            values = [getattr(one.simulation.state, field) for one in played]
+            np.testing.assert_array_equal(values[0], values[1], err_msg=field)
+            np.testing.assert_array_equal(values[0][2], values[2][0], err_msg=field)
+            assert np.isfinite(values[0]).all()
+    assert played[0].state.extra[:, 0, 0].min() > 0
+    assert not np.any(played[0].state.outcome == Outcome.COLLISION)
+    sim = played[0].simulation
+    sim.state.command[:, 0, 0] = sim.model.velocity_max[0, 0, 0]
+    before, constants = [snapshot(sim, w) for w in range(2)], {f: getattr(sim.model, f).copy() for f in Model.columns()}
+    lay_shield(sim, task.shield, np.array(task.agents)).act(sim, Shard(np.array([1])))
+    for w, fields in enumerate(before):
+        for field, value in snapshot(sim, w).items():
+            if (w, field) != (1, "command"):
+                np.testing.assert_array_equal(value, fields[field], err_msg=field)
+    for field, value in constants.items():
+        np.testing.assert_array_equal(value, getattr(sim.model, field), err_msg=field)
 
 
 @pytest.mark.parametrize("name", running(families.SENSORS))

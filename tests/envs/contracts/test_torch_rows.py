@@ -10,6 +10,7 @@ from team_tools import KNOWN, LIMIT, MEET
 
 import irsim_gym
 from irsim_gym.errors import IrsimGymError
+from irsim_gym.tasks import Outcome
 
 LONE = "sparse_circles"
 FLAGS = ("terminated", "truncated", "acted", "live", "began")
@@ -43,6 +44,28 @@ def test_rows_of_single_robots_are_those_of_make_vec(device):
             np.testing.assert_array_equal(rows.final_observation[w], infos["final_obs"][w])
             assert rows.episodes["outcome"][k] == infos["final_info"]["outcome"][w]
     assert n_ended > 5
+
+
+def test_costs_are_those_of_each_step_the_last_one_of_an_episode_included():
+    kwargs = {"task": {"near": 0.3}, "max_steps": 30, "autoreset_mode": "SameStep"}
+    rows, env = irsim_gym.torch_rows(irsim_gym.make_vec(LONE, 8, **kwargs)), irsim_gym.make_vec(LONE, 8, **kwargs)
+    rows.reset(seed=7)
+    env.reset(seed=7)
+    rng, last, before = np.random.default_rng(0), [], 0
+    for _ in range(90):
+        actions = rng.uniform([0.6, -1.0], 1.0, (8, 2))
+        rows.step(torch.from_numpy(actions))
+        _, _, terminated, truncated, infos = env.step(actions)
+        ended = terminated | truncated
+        wanted = np.where(ended, infos["final_info"]["cost"], infos["cost"]) if ended.any() else infos["cost"]
+        np.testing.assert_array_equal(rows.cost, wanted.astype(np.float32))
+        last += [
+            (cost, outcome) for cost, outcome in zip(rows.cost[ended].tolist(), rows.episodes["outcome"], strict=True)
+        ]
+        before += int(rows.cost[~ended].sum())
+    assert before > 0
+    assert {cost for cost, outcome in last if outcome == Outcome.COLLISION} == {1.0}
+    assert not lone_rows().cost.any()
 
 
 @pytest.mark.parametrize("respawn", [False, True])
