@@ -46,8 +46,8 @@ from irsim_gym.robot.graph_policy import ComparedPolicy, DelayedPolicy, GraphPol
 from irsim_gym.robot.inputs import among_discs, is_disc, limits_of, scanner_form, seen_map_form, seers, sees_moving_only
 from irsim_gym.robot.model_card import model_card
 from irsim_gym.robot.nodes.package import check_node, package_files
+from irsim_gym.robot.parts.shield import AXES
 from irsim_gym.robot.policy_graph import PolicyGraph, UnfitForRobotError, policy_graph
-from irsim_gym.robot.shield import AXES
 from irsim_gym.scenario.reading.parameters import PERTURBED, SHIELDED
 from irsim_gym.simulator.world.model import ACKERMANN, STATE
 from irsim_gym.tasks import Episodes, Outcome
@@ -119,11 +119,9 @@ def export_for_robot(
             policy's by more than 1e-5; nothing is written then.
     """
     _check_target(folder, node, bodies)
-    loaded = load_policy(source)
-    if not isinstance(loaded, SavedPolicy):
-        raise IrsimGymError(f"'{source}' is no trained policy: behaviors plan in the simulator, and cannot leave")
+    loaded = _saved(source)
     is_own, asked = asked is None, asked or _trained_in(source, loaded)
-    name = policy_names([source])[0]
+    name, guard = policy_names([source])[0], _shield_form(asked, shield, predict, lag)
     played = _played(asked, loaded, min(levels, LEVELS))
     loaded.check(played)
     network = _network(loaded)
@@ -144,14 +142,18 @@ def export_for_robot(
     elif is_own:
         results = _known_results(loaded) or results
     made_of = {"scenario": scenario_hash(asked), "policy": policy_digest(source) or ""}
-    model, check = _marked(graph.content, made_of), io.BytesIO()
-    np.savez_compressed(check, **dict[str, Any](samples))
-    hashes = Hashes(**made_of, onnx=_sha256(model), check=_sha256(check.getvalue()))
+    contents, hashes = _sealed(graph, samples, made_of)
     form = {"policy": name, "predict": predict, "results": results, **_form(played, graph, samples, period)}
-    guard = _shield_form(asked, shield, predict, lag)
     contract = RobotContract(hashes=hashes, scenario=_scenario_form(asked), shield=guard, **form)
-    _write(folder, contract, {"policy.onnx": model, "check.npz": check.getvalue()}, played, node)
+    _write(folder, contract, contents, played, node)
     return RobotExport(contract, compared.n_commands, compared.most, graph.n_nodes, folder)
+
+
+def _saved(source: str) -> SavedPolicy:
+    loaded = load_policy(source)
+    if not isinstance(loaded, SavedPolicy):
+        raise IrsimGymError(f"'{source}' is no trained policy: behaviors plan in the simulator, and cannot leave")
+    return loaded
 
 
 def _check_target(folder: Path, node: str | None, bodies: str | None) -> None:
@@ -339,6 +341,16 @@ def _sha256(content: bytes) -> str:
     return hashlib.sha256(content).hexdigest()
 
 
+def _sealed(
+    graph: PolicyGraph, samples: Mapping[str, NDArray[Any]], made_of: Mapping[str, str]
+) -> tuple[dict[str, bytes], Hashes]:
+    """Return policy.onnx and check.npz, and what says that they belong together."""
+    model, check = _marked(graph.content, made_of), io.BytesIO()
+    np.savez_compressed(check, **dict[str, Any](samples))
+    hashes = Hashes(**made_of, onnx=_sha256(model), check=_sha256(check.getvalue()))
+    return {"policy.onnx": model, "check.npz": check.getvalue()}, hashes
+
+
 def _marked(content: bytes, made_of: Mapping[str, str]) -> bytes:
     """Return a graph that holds the hashes of what it was made of."""
     from onnx import helper, load_from_string
@@ -354,7 +366,8 @@ def _write(
     for name, content in contents.items():
         write_bytes(folder / name, content)
     for name in [name for name, field in SCRIPTS.items() if not field or getattr(contract, field)]:
-        write_bytes(folder / name, Path(__file__).with_name(name).read_bytes())
+        place = Path(__file__).parent / ("parts" if SCRIPTS[name] else "") / name
+        write_bytes(folder / name, place.read_bytes())
     write_text(folder / "contract.json", contract.model_dump_json(indent=2) + "\n")
     write_json(folder / "contract.schema.json", contract_schema())
     write_text(folder / "README.md", model_card(contract, played.simulation.scenario.label))
