@@ -366,8 +366,8 @@ def _write(
     for name, content in contents.items():
         write_bytes(folder / name, content)
     for name in [name for name, field in SCRIPTS.items() if not field or getattr(contract, field)]:
-        place = Path(__file__).parent / ("parts" if SCRIPTS[name] else "") / name
-        write_bytes(folder / name, place.read_bytes())
+        script = Path(__file__).parent / ("parts" if SCRIPTS[name] else "") / name
+        write_bytes(folder / name, script.read_bytes())
     write_text(folder / "contract.json", contract.model_dump_json(indent=2) + "\n")
     write_json(folder / "contract.schema.json", contract_schema())
     write_text(folder / "README.md", model_card(contract, played.simulation.scenario.label))
