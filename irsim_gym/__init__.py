@@ -28,7 +28,6 @@ from irsim_gym.envs.gymnasium.registration import make, make_vec, register, regi
 if TYPE_CHECKING:
     from irsim_gym import irsim, plugins, sb3
     from irsim_gym.cli.work.from_python import train
-    from irsim_gym.envs.gymnasium.replays import RecordReplay
     from irsim_gym.envs.gymnasium.single import WorldEnv
     from irsim_gym.envs.gymnasium.vector import WorldVectorEnv
     from irsim_gym.envs.teams.batch import Batch, make_batch
@@ -56,7 +55,6 @@ _HOMES = {
     "irsim_gym.envs.teams.batch": "Batch make_batch",
     "irsim_gym.envs.teams.batch_step": "BatchStep",
     "irsim_gym.envs.teams.parallel": "WorldParallelEnv parallel_env",
-    "irsim_gym.envs.gymnasium.replays": "RecordReplay",
     "irsim_gym.envs.gymnasium.single": "WorldEnv",
     "irsim_gym.envs.teams.torch_rows": "TorchRows torch_rows",
     "irsim_gym.envs.gymnasium.vector": "WorldVectorEnv",
@@ -74,12 +72,11 @@ _HOMES = {
 _LAZY = {name: module for module, names in _HOMES.items() for name in names.split()}
 _FACES = ("evaluation", "irsim", "levels", "live", "plugins", "rllib", "sb3", "suite", "tasks", "training")
 
-__all__ = ["Batch", "BatchStep", "Body", "RecordReplay", "Simulation", "TorchRows", "World", "WorldEnv"]
-__all__ += ["WorldParallelEnv", "WorldVectorEnv", "__version__", "action", "arena", "behavior", "compile", "drive"]
-__all__ += ["ending", "errors", "evaluate", "group_behavior", "irsim", "load", "load_demonstrations", "load_policy"]
-__all__ += ["load_scenario", "make", "make_batch", "make_vec", "observation", "parallel_env", "placement", "plan"]
-__all__ += ["plugins", "record_demonstrations", "register", "register_scenarios", "reward", "sb3", "sensor"]
-__all__ += ["torch_rows", "train"]
+__all__ = ["Batch", "BatchStep", "Body", "Simulation", "TorchRows", "World", "WorldEnv", "WorldParallelEnv"]
+__all__ += ["WorldVectorEnv", "__version__", "action", "arena", "behavior", "compile", "drive", "ending", "errors"]
+__all__ += ["evaluate", "group_behavior", "irsim", "load", "load_demonstrations", "load_policy", "load_scenario"]
+__all__ += ["make", "make_batch", "make_vec", "observation", "parallel_env", "placement", "plan", "plugins"]
+__all__ += ["record_demonstrations", "register", "register_scenarios", "reward", "sb3", "sensor", "torch_rows", "train"]
 
 
 def __getattr__(name: str) -> Any:

@@ -1,7 +1,5 @@
 """Support for Ray RLlib: an environment runner that samples arrays, its configuration, and registered environments."""
 
-from __future__ import annotations
-
 from irsim_gym.base.extras import require
 
 require("rllib", "irsim_gym.rllib")

@@ -3,8 +3,9 @@
 from pathlib import Path
 from typing import Any
 
+from replay_pages import held_data, inflated, main_data
+
 from irsim_gym.evaluation.arena.page_data import SCHEMA, VERSION
-from irsim_gym.rendering.replay.page_parts import held_data, inflated, main_data
 
 
 def read_page(path: Path) -> dict[str, Any]:

@@ -50,7 +50,7 @@ def test_a_new_scenario_replaces_nothing(tmp_path: Path) -> None:
         ("check my", ["my_world.yaml"]),
         ("draw worlds/", ["worlds/one.yaml"]),
         ("train corridor --algorithm t", ["td3", "tqc"]),
-        ("rollout corridor --split d", ["dev"]),
+        ("evaluate corridor --split d", ["dev"]),
         ("evaluate corridor --task image", ["image_navigation"]),
         ("evaluate corridor runs", ["runs/corridor-ppo-0"]),
         ("arena corridor da", ["dash"]),

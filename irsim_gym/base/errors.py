@@ -1,14 +1,12 @@
 """The errors that users of the package meet."""
 
-from __future__ import annotations
-
 import copyreg
 import difflib
 import sys
 import warnings
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import Any, ClassVar, Self
 
 __all__ = ["BehaviorError", "ChangedScenarioWarning", "IgnoredKeyWarning", "IrsimGymError", "KindError"]
 __all__ += ["MissingExtraError", "MissingScenarioError", "NoEffectWarning", "NoKeyboardWarning", "NoWayError"]
@@ -205,7 +203,7 @@ class UnknownKeywordError(UnknownNameError, TypeError):
     """
 
     @classmethod
-    def of(cls, name: str, message: str) -> UnknownKeywordError:
+    def of(cls, name: str, message: str) -> Self:
         """Return the error for a name, with what there is in its place.
 
         Args:

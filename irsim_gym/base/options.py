@@ -50,7 +50,8 @@ def drawn_ends(options: object) -> dict[str, tuple[float, float]]:
 def drawn_problems(options: object) -> Iterator[tuple[str, str]]:
     """Yield a problem for each option of type ``Drawn`` with ends in the wrong order or beyond its bounds."""
     for name, (low, high) in drawn_ends(options).items():
-        bounds = next(item for item in option_fields(type(options))[name].metadata if isinstance(item, Bounds))
+        said = option_fields(type(options))[name].metadata
+        bounds = next((item for item in said if isinstance(item, Bounds)), Bounds(-math.inf, math.inf))
         shown = f"{low:g}" if low == high else f"[{low:g}, {high:g}]"
         if low > high:
             yield name, f"must be [low, high] with low <= high, got {shown}"

@@ -162,30 +162,6 @@ def demo(
     run_demo(out, scenario=scenario, steps=steps, levels=levels, seed=seed)
 
 
-@app.command()
-def rollout(
-    scenario: opt.Scenario,
-    policy: opt.Reference = None,
-    levels: opt.Levels = 4,
-    split: opt.Split = "dev",
-    task: opt.Task = None,
-    out: Annotated[
-        list[Path] | None, typer.Option("--out", "--frames", "--record", help=opt.HELP["rollout out"])
-    ] = None,
-    overwrite: opt.ReplaceFile = False,
-    team: opt.Team = False,
-    given: opt.Given = None,
-    perturb: opt.Perturbed = None,
-    lenient: opt.Lenient = False,
-    modules: opt.Imports = None,
-) -> None:
-    """Run a policy on a few levels and print how they ended."""
-    from irsim_gym.cli.work.commands import run_rollout
-
-    asked = scenario_request(scenario, task, team, given, lenient, perturb)
-    run_rollout(asked, policy or "dash", levels=levels, split=split, out=out or [], overwrite=overwrite)
-
-
 app.command("run")(run_by_itself)
 app.command()(new)
 
@@ -207,7 +183,7 @@ def play(
     lenient: opt.Lenient = False,
     modules: opt.Imports = None,
 ) -> None:
-    """Drive a robot by hand in a window, level after level, or watch a policy. The window lists the keys; esc quits."""
+    """Drive a robot by hand in a window, level after level, or watch a policy. It lists the keys; esc quits."""
     from irsim_gym.cli.play.manual_play import PlaySettings
     from irsim_gym.cli.play.manual_play import play as play_by_hand
 

@@ -31,7 +31,6 @@ Changes = Annotated[list[str] | None, typer.Option("--hp", metavar="KEY=VALUE", 
 Seed = Annotated[int, typer.Option(min=0, max=LAST_SEED, help=HELP["Seed"])]
 Seeds = Annotated[int | None, typer.Option(min=1, help=HELP["Seeds"])]
 TestLevels = Annotated[int, typer.Option(min=1, help=HELP["TestLevels"])]
-Reference = Annotated[str | None, typer.Argument(help=HELP["Reference"], autocompletion=cli_completion.policies)]
 Watched = Annotated[str | None, typer.Argument(help=HELP["Watched"], autocompletion=cli_completion.policies)]
 Given = Annotated[list[str] | None, typer.Option("--set", metavar="NAME=VALUE", help=HELP["Given"])]
 Perturbed = Annotated[list[str] | None, typer.Option("--perturb", metavar="NAME:KEY=VALUE", help=HELP["Perturbed"])]

@@ -3,7 +3,7 @@
 import inspect
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
-from typing import Any, ClassVar, TypeVar
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -11,8 +11,9 @@ from irsim_gym.base import families
 from irsim_gym.base.arraytypes import Floats
 from irsim_gym.base.options import kind, make_kind, more_options
 from irsim_gym.bodies.behaviors.python.custom import noting
-from irsim_gym.bodies.behaviors.python.views import EgoView, reserve_memory
+from irsim_gym.bodies.behaviors.python.views import EgoView
 from irsim_gym.irsim.rotations import vel_diff2world
+from irsim_gym.plugins.body_kinds import PythonDrive
 from irsim_gym.plugins.functions import members, numbers
 from irsim_gym.simulator.geometry.angles import wrap, wrap_from
 from irsim_gym.simulator.world.names import Group, Model, Shard, State
@@ -120,16 +121,8 @@ def register_kinematics(name: str) -> Callable[[C], C]:
 
 
 @kind
-class ClassDrive:
+class ClassDrive(PythonDrive):
     """A drive written as a class."""
-
-    command_names: ClassVar[tuple[str, ...]] = ()
-    state_size: ClassVar[int] = 3
-
-    @staticmethod
-    def prepare(group: Group, model: Model, n_slots: int) -> None:
-        """Make room for instances."""
-        reserve_memory(group, model)
 
     @staticmethod
     def begin(group: Group, model: Model, state: State, shard: Shard) -> None:

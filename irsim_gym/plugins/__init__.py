@@ -20,7 +20,7 @@ from irsim_gym.base.families import (
     SENSORS,
     SHIELDS,
 )
-from irsim_gym.base.options import Bounds, Drawn, drawn_problems
+from irsim_gym.base.options import Bounds, Drawn
 from irsim_gym.base.rng import integer, normal, uniform
 from irsim_gym.bodies.behaviors.python.custom import behavior, group_behavior
 from irsim_gym.bodies.behaviors.python.views import BodyView, EgoView
@@ -67,7 +67,7 @@ from irsim_gym.tasks.terms.term import (
 from irsim_gym.tasks.terms.words import Columns, TellsActions, TellsColumns, TellsWhen
 
 __all__ = ["ACTIONS", "BEHAVIORS", "ENDINGS", "FOOTPRINTS", "GROUP_BEHAVIORS", "KINEMATICS", "MAPS", "OBSERVATIONS"]
-__all__ += ["DISTURBANCES", "Bounds", "DisturbanceKind", "Disturbed", "Drawn", "drawn_problems", "whole_steps"]
+__all__ += ["DISTURBANCES", "Bounds", "DisturbanceKind", "Disturbed", "Drawn", "whole_steps"]
 __all__ += ["PLACEMENTS", "REWARDS", "SENSORS", "ActionKind", "AgentView", "Begins", "BehaviorKind", "BodyView"]
 __all__ += ["Columns", "Draws", "DrawsMaps", "DriveKind", "EgoView", "EndingKind", "EpisodeState", "FootprintKind"]
 __all__ += ["Group", "HasArrays", "HasBounds", "HasMirrored", "HasUnused", "HitKind", "IsImage", "MapKind"]

@@ -49,8 +49,8 @@ class FunctionSensor:
 
 
 @kind
-class FunctionDrive:
-    """A drive written as a function."""
+class PythonDrive:
+    """What drives in Python have in common, written as functions or as classes."""
 
     command_names: ClassVar[tuple[str, ...]] = ()
     state_size: ClassVar[int] = 3
@@ -59,6 +59,11 @@ class FunctionDrive:
     def prepare(group: Group, model: Model, n_slots: int) -> None:
         """Make room for memories."""
         reserve_memory(group, model)
+
+
+@kind
+class FunctionDrive(PythonDrive):
+    """A drive written as a function."""
 
     @staticmethod
     def begin(group: Group, model: Model, state: State, shard: Shard) -> None:

@@ -76,7 +76,7 @@ COMMANDS = """
 import sys
 from pathlib import Path
 from irsim_gym.base.compiled.watch import compilation
-from irsim_gym.cli.work.commands import run_rollout
+from irsim_gym.evaluation.comparison.evaluate import evaluate_policies
 from irsim_gym.cli.work.inspection import draw_level
 from irsim_gym.cli.work.trial import ReadOptions, run_briefly
 from irsim_gym.evaluation.requests.scenario_request import ScenarioRequest
@@ -87,7 +87,7 @@ warm_up([ScenarioRequest(name)])
 ready = compilation().compiled
 run_briefly(name, ReadOptions({}))
 draw_level(name, 0, "dev", None, folder / "level.png")
-run_rollout(ScenarioRequest(name), "dash", levels=1, split="dev")
+evaluate_policies(ScenarioRequest(name), ["dash"], levels=1, references=False)
 print(ready, compilation().compiled - ready)
 """
 
@@ -143,7 +143,7 @@ def test_numbas_checks_find_an_index_beyond_an_array() -> None:
 
 @pytest.mark.slow
 def test_commands_share_what_warmup_compiles(tmp_path: Path) -> None:
-    """``check``, ``draw`` and ``rollout`` compile nothing any more."""
+    """``check``, ``draw`` and ``evaluate`` compile nothing any more."""
     done = run(COMMANDS.replace("FOLDER", repr(str(tmp_path))), NUMBA_CACHE_DIR=str(tmp_path), MPLBACKEND="Agg")
     before, after = map(int, done.splitlines()[-1].split())
     assert before > 50

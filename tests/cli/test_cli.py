@@ -252,14 +252,13 @@ def test_schema_is_json(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureF
 @pytest.mark.parametrize(
     ("arguments", "said"),
     [
-        (["rollout", "cluterd_room"], "did you mean 'cluttered_room'"),
+        (["record", "cluterd_room", "dash"], "did you mean 'cluttered_room'"),
         (["train", "empty_goal", "--algorithm", "pppo"], "did you mean 'ppo'"),
         (["evaluate", "empty_goal", "runs/nowhere"], "no policy at runs/nowhere"),
         (["evaluate", "empty_goal", "--no-references"], "nothing to evaluate"),
         (["evaluate", "empty_goal", "--split", "tset"], "did you mean 'test'"),
         (["record", "empty_goal", "dash", "--out", "film.avi"], "ends in .mp4 or .gif"),
         (["run", "empty_goal", "--film", "film.avi"], "ends in .mp4, .gif or .html"),
-        (["rollout", "empty_goal", "--frames", "film.avi"], "ends in .mp4 or .gif"),
         (["draw", "empty_goal", "--out", "file/picture.png"], "cannot use file"),
         (["run", "empty_goal", "--steps", "1", "--film", "file/film.gif"], "cannot use file"),
     ],
@@ -285,7 +284,6 @@ def test_mistakes_are_told_in_a_sentence(
         (("draw", "empty_goal", "--level", 2**70), 2**53 - 1),
         (("play", "empty_goal", "--seed", 2**63), 2**53 - 1),
         (("evaluate", "empty_goal", "--levels", 2**70), 10**9),
-        (("rollout", "empty_goal", "--levels", 2**63), 10**9),
     ],
 )
 def test_numbers_beyond_what_can_be_seeded_are_told_with_the_last_one(
@@ -337,24 +335,18 @@ def test_learners_are_disturbed(
     dash = next(one for one in summary["policies"] if one["policy"] == "dash")
     assert (dash["success"]["count"], dash["misplaced"]["count"]) == (0, 3)
     assert dash["end_distance"] > 0.5
-    assert run(monkeypatch, "rollout", "empty_goal", "--perturb", "latncy:time=1") == 1
+    assert run(monkeypatch, "evaluate", "empty_goal", "--perturb", "latncy:time=1") == 1
     assert "did you mean 'latency'?" in capsys.readouterr().err
 
 
-def test_rollout_and_draw(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+def test_films_and_draw(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
     film, picture = tmp_path / "film.gif", tmp_path / "new" / "picture.png"
-    demos = tmp_path / "demos.npz"
-    assert run(monkeypatch, "rollout", "empty_goal", "dash", "--levels", 1, "--out", film, "--out", demos) == 0
-    said = capsys.readouterr().out
-    assert "level 0: success after" in said
-    assert f"{demos}: 1 episodes" in said
-    assert film.read_bytes().startswith(b"GIF")
     film.write_bytes(b"kept")
-    for command in (("rollout", "empty_goal"), ("record", "empty_goal", "dash"), ("run", "empty_goal")):
+    for command in (("record", "empty_goal", "dash"), ("run", "empty_goal")):
         assert run(monkeypatch, *command, "--out", film) == 1
         assert f"{film} exists: choose another name with --out" in capsys.readouterr().err
     assert film.read_bytes() == b"kept"
-    assert run(monkeypatch, "rollout", "empty_goal", "--levels", 1, "--frames", film, "--overwrite") == 0
+    assert run(monkeypatch, "record", "empty_goal", "dash", "--out", film, "--overwrite") == 0
     assert film.read_bytes().startswith(b"GIF")
     assert run(monkeypatch, "draw", "empty_goal", "--level", 3, "--out", picture) == 0
     assert picture.read_bytes().startswith(b"\x89PNG")
@@ -396,7 +388,7 @@ def test_train_resume_evaluate_and_record(
     assert run(monkeypatch, "train", "empty_goal", "--resume", "--out", "nope") == 1
     assert "--resume: nope holds no run" in capsys.readouterr().err
     (folder / "policy.zip").unlink()
-    assert run(monkeypatch, "rollout", "empty_goal", folder, "--levels", 1) == 0
+    assert run(monkeypatch, "evaluate", "empty_goal", folder, "--levels", 1) == 0
     assert f"{folder} is not finished: its checkpoint after 16,384 of 16,384 steps plays" in capsys.readouterr().err
 
 

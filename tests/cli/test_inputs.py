@@ -55,10 +55,6 @@ def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
             (SCENARIO, TASK, POLICY, SPLIT, "file.txt is a file"),
         ),
         (
-            ("rollout", "cluttered_rom", "dsah", *WORLD, "--frames", "a.avi", "--record", "file.txt"),
-            (SCENARIO, TASK, POLICY, SPLIT, "ends in .mp4 or .gif or .npz, got 'a.avi'", ".npz, got 'file.txt'"),
-        ),
-        (
             ("draw", "cluttered_rom", *WORLD, "--out", "file.txt"),
             (SCENARIO, TASK, SPLIT, "must be a .png, .pdf or .svg file"),
         ),

@@ -1,4 +1,4 @@
-"""Teams on the command line: evaluated, filmed, rolled out."""
+"""Teams on the command line: evaluated and filmed."""
 
 import csv
 import json
@@ -6,6 +6,8 @@ from pathlib import Path
 
 import pytest
 from command_line import run
+
+import irsim_gym
 
 PAIR = """
 world: {height: 6, width: 8}
@@ -59,15 +61,15 @@ def test_references_that_cannot_drive_all_robots_are_left_out(
     assert "'orca' cannot drive kinematics 'acker' of 'bob'" in capsys.readouterr().err
 
 
-def test_rollout_and_record(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
-) -> None:
+def test_rows_and_record(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     film = tmp_path / "film.gif"
-    assert run(monkeypatch, "rollout", pair(tmp_path), "dash", "--team", "--levels", 1) == 0
+    found = irsim_gym.evaluate(pair(tmp_path), "dash", team=True, levels=1, references=False)
     # 3.05 m and 4.05 m at 1 m/s to within 0.1 m.
-    assert capsys.readouterr().out.splitlines() == [
-        "level 0, ann: success after 3.0 s, 3.00 m driven",
-        "level 0, bob: success after 4.0 s, 4.00 m driven",
+    (level,) = found.rows["dash"]
+    told = [(row.agent, row.episode.outcome, row.episode.time, row.episode.path_length) for row in level.agents]
+    assert told == [
+        ("ann", "success", pytest.approx(3.0), pytest.approx(3.0)),
+        ("bob", "success", pytest.approx(4.0), pytest.approx(4.0)),
     ]
     assert run(monkeypatch, "record", pair(tmp_path), "dash", "orca", "--team", "--out", film) == 0
     assert film.read_bytes().startswith(b"GIF")
@@ -82,4 +84,4 @@ def test_several_learners_without_the_option_are_told_of_it(
     assert run(monkeypatch, "evaluate", file, "--levels", 1) == 1
     assert "needs one learner, but task 'navigation' has 2" in (said := capsys.readouterr().err)
     assert "--team" in said
-    assert run(monkeypatch, "rollout", file, "--team", "--levels", 1) == 0
+    assert run(monkeypatch, "evaluate", file, "--team", "--levels", 1) == 0

@@ -299,6 +299,8 @@ def test_every_reason_is_named() -> None:
 def test_speeds_that_levels_draw_may_be_symmetrical() -> None:
     limits = {"vel_min": [-0.5, -0.9], "vel_max": [0.9, 0.9], "speed_range": [0.3, 0.9]}
     make(scene_of(kinematics={"name": "omni"}, **limits), "goal").unwrapped.mirror()
+    turning = {"vel_min": [-0.5, -0.9, -1], "vel_max": [0.9, 0.9, 1], "speed_range": [0.3, 0.9]}
+    make(scene_of(kinematics={"name": "omni_angular"}, **turning), "goal").unwrapped.mirror()
 
 
 def test_a_sensor_that_nobody_reads_may_stand_aside() -> None:

@@ -9,11 +9,10 @@ import imageio_ffmpeg
 import numpy as np
 import pytest
 from command_line import run
+from replay_pages import read_html, unpacked
 
 from irsim_gym.evaluation.comparison.players import load_players
 from irsim_gym.evaluation.requests.scenario_request import ScenarioRequest
-from irsim_gym.rendering.looks.packing import unpacked
-from irsim_gym.rendering.replay.replay_page import read_html
 
 STRAIGHT = """
 world: {height: 3, width: 6, step_time: 0.25}

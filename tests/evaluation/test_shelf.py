@@ -445,7 +445,7 @@ def test_what_a_policy_was_trained_with_is_remembered(
     changed["scenario"]["sha256"] = "0" * 64
     card_file(file).write_text(json.dumps(changed))
     assert changes_since("circle_swap", file) == ["its hash is not that on the card"]
-    assert run(monkeypatch, "rollout", "circle_swap", file, "--team", "--levels", 1) == 0
+    assert run(monkeypatch, "evaluate", "circle_swap", file, "--team", "--levels", 1) == 0
     said = capsys.readouterr().err
     assert f"circle_swap has changed since {file} was trained: its hash is not that on the card\n" in said
 

@@ -10,10 +10,8 @@ import imageio_ffmpeg
 import numpy as np
 import pytest
 from command_line import run
+from replay_pages import read_html, unpacked
 from small_world import world
-
-from irsim_gym.rendering.looks.packing import unpacked
-from irsim_gym.rendering.replay.replay_page import read_html
 
 SMALL = {"plot": {"figure_pixels": [240, 200]}}
 

@@ -34,7 +34,7 @@ TESTS = {
     "recent": (
         *(
             f"tests/bodies/behaviors/test_{name}.py"
-            for name in ("dwa", "hybrid_astar", "pursuit", "own_scan", "map_discs")
+            for name in ("dwa", "local_ways", "hybrid_astar", "pursuit", "pursuit_parts", "own_scan", "map_discs")
         ),
         *(
             "tests/bodies/maps",
@@ -45,13 +45,15 @@ TESTS = {
         ),
         *(
             f"tests/simulator/engine/test_{name}.py"
-            for name in ("respawn", "solvable", "level_files", "level_history", "turns")
+            for name in ("respawn", "solvable", "level_files", "level_history", "traits", "turns")
         ),
-        *(f"tests/tasks/test_{name}.py" for name in ("observations", "clear_ways", "seen_map", "ways_and_memory")),
-        *(f"tests/tasks/test_{name}.py" for name in ("yielding_way", "team_navigation", "sight", "obstruction")),
+        *(f"tests/tasks/test_{name}.py" for name in ("observations", "clear_ways", "seen_map", "seen_ways")),
+        *(f"tests/tasks/test_{name}.py" for name in ("ways_and_memory", "yielding_way", "team_navigation")),
+        *(f"tests/tasks/test_{name}.py" for name in ("sight", "obstruction")),
         *("tests/evaluation/test_certificate_measures.py", "tests/envs/test_mirror.py", "tests/training/test_gru.py"),
-        *("tests/envs/contracts/test_levels_from_files.py"),
-        *("tests/envs/contracts/test_mirror_callback.py"),
+        "tests/envs/contracts/test_levels_from_files.py",
+        *("tests/envs/contracts/test_mirror_callback.py", "tests/scenario/test_option_limits.py"),
+        "tests/robot/test_twins.py",
     ),
 }
 """Files and folders of tests that are tried, by the part that is mutated."""

@@ -27,9 +27,6 @@ from irsim_gym.evaluation.suite.members import read_suite
 from irsim_gym.evaluation.suite.row_files import read_rows, write_rows
 from irsim_gym.evaluation.suite.suite_record import read_record
 from irsim_gym.rendering.looks import images
-from irsim_gym.rendering.replay import replay_page
-from irsim_gym.rendering.replay.page_parts import deflated, held
-from irsim_gym.rendering.replay.replay_page import read_html
 from irsim_gym.scenario import load_scenario
 from irsim_gym.scenario.specs.library import configs_folder
 from irsim_gym.tasks import load_task
@@ -155,11 +152,6 @@ def figures(file: Path) -> None:
     write_json(file, {"conditions": conditions, "policies": [row, {**row, "policy": "dash"}]})
 
 
-def replay(file: Path) -> None:
-    data = {"schema": replay_page.SCHEMA, "version": replay_page.VERSION, "title": "x", "episodes": []}
-    file.write_text(f"<html>{held('data', deflated(data))}</html>", encoding="utf-8")
-
-
 def load_zip(file: Path) -> object:
     from irsim_gym.evaluation.saved_policies.saved_models import load_model
 
@@ -212,7 +204,6 @@ KINDS = {
     "state.pkl": Kind(
         "state.pkl", lambda file: file.write_bytes(pickle.dumps({"a": np.arange(9)})), load_pickled_state
     ),
-    "replay page": Kind("x.html", replay, read_html, TEXT),
     "rows of the suite": Kind("s.csv", lambda file: write_rows(file, TEAMS), lambda file: read_rows(file, 4), TEXT),
     "suite record": Kind("summary.json", suite_record, lambda file: read_record(file.parent), DATA),
     "settings of a run": Kind("config.json", run_config, read_run, DATA),

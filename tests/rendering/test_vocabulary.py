@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 import pytest
 from pixels import WAYS, of_world
+from replay_pages import read_html
 
 from irsim_gym.live.world import load
-from irsim_gym.rendering.replay.replay_page import read_html
 from irsim_gym.rendering.scene import vocabulary
 from irsim_gym.rendering.scene.primitives import Figure, Ink, Pen, Primitive, Shape
 

@@ -174,6 +174,12 @@ def test_twins_equal_their_kernels(
     assert max(differences(episodes(robot, observations, shift, **others), 40)) < TOLERANCE
 
 
+def test_the_twin_of_times_to_collision_equals_its_kernel_in_a_few_steps() -> None:
+    """As above, in so little time that it is done in plain Python, too."""
+    times = {"name": "time_to_collision", "directions": 7, "speeds": 2, "range": 2.5, "margin": 0.1}
+    assert max(differences(episodes(DIFF, [times], **MOVING), 3)) < TOLERANCE
+
+
 @pytest.mark.parametrize(
     ("robot", "seconds", "latency"), [(DIFF, 0.3, 0.3), (DIFF, 0.25, 0.3), (CAR, 0.4, 0.0), (OMNI, 0.5, 0.5)]
 )

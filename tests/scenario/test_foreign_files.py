@@ -308,5 +308,5 @@ def test_the_command_line_is_lenient_when_asked(tmp_path: Path) -> None:
 
 
 def test_every_command_that_reads_a_scenario_can_be_lenient() -> None:
-    for command in ("check", "train", "evaluate", "record", "rollout", "run", "play", "draw", "warmup"):
+    for command in ("check", "train", "evaluate", "record", "run", "play", "draw", "warmup"):
         assert "--lenient" in CliRunner().invoke(app, [command, "--help"], env={"COLUMNS": "200"}).output, command

@@ -34,7 +34,7 @@ FACES: tuple[Callable[[Any], Any], ...] = (
     lambda name: irsim_gym.record_demonstrations(name, "dash", "demo.npz", levels=1),
 )
 COMMANDS = (
-    *(("check",), ("draw",), ("run",), ("train",), ("evaluate",), ("rollout",), ("play",), ("warmup",)),
+    *(("check",), ("draw",), ("run",), ("train",), ("evaluate",), ("play",), ("warmup",)),
     ("demo", "--scenario"),
 )
 

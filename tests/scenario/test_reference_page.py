@@ -85,7 +85,7 @@ def test_the_keys_of_a_task_are_shown() -> None:
     section = re.search(r"^### task\n(.*?)^### ", markdown(), re.DOTALL | re.MULTILINE)
     assert section is not None
     keys = ["name", "agents", "max_steps", "observation_form", "ended", "team_reward", "deadlock_speed"]
-    keys += ["deadlock_time", "predict", "audit", "action", "observations", "rewards", "endings"]
+    keys += ["deadlock_time", "predict", "audit", "near", "action", "shield", "observations", "rewards", "endings"]
     assert re.findall(r"^\| `(\w+)`", section.group(1), re.MULTILINE) == keys
     shown = CliRunner().invoke(app, ["options", "task"], env={"COLUMNS": "200"}).output
     assert [key for key in keys if key not in shown] == []

@@ -85,7 +85,8 @@ def test_an_end_in_the_last_step_is_no_truncation() -> None:
 @pytest.mark.parametrize("flags", range(16))
 @pytest.mark.parametrize("late", [False, True])
 def test_precedence(flags: int, late: bool) -> None:
-    episode = EpisodeState.allocate({"world": 1, "agent": 1, "action": 2, "ending": 4, "reward": 1, "feature": 1})
+    sizes = dict.fromkeys(("world", "agent", "reward", "feature", "extra"), 1)
+    episode = EpisodeState.allocate({**sizes, "action": 2, "ending": 4})
     episode.ending[:], episode.steps[:] = [[[bool(flags >> k & 1) for k in range(4)]]], 10 if late else 9
     decide_outcomes(np.arange(1), np.array([int(item) for item in PRECEDENCE]), 10, episode)
     expected = Outcome.TIMEOUT if late else Outcome.RUNNING

@@ -28,7 +28,7 @@ def test_a_chain_stays_in_its_split() -> None:
     kept = streams("dev", range(10_000)) | streams("test", range(10_000))
     n_worlds = 64
     base = stream_base("cluttered_room", "train")
-    sizes = dict.fromkeys(("agent", "action", "ending", "reward", "feature"), 1)
+    sizes = dict.fromkeys(("agent", "action", "ending", "reward", "feature", "extra"), 1)
     state = EpisodeState.allocate({"world": n_worlds, **sizes})
     state.base[:], state.first_level[:], state.chosen[:] = base, np.arange(n_worlds), CHAIN
     met: set[int] = set()

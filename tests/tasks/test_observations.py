@@ -102,7 +102,8 @@ def pooled(ranges: np.ndarray, first: np.ndarray, last: np.ndarray, extent: np.n
     sectors = Sectors(ranges, np.zeros(1, np.int64), first, last, extent, np.array([6.0], np.float32), first, first)
     options = records([Scan(code=("inverse", "linear")[code], near=0.5, zero=0.3)])
     width = column + len(first)
-    episode = EpisodeState.allocate({"world": 1, "agent": 1, "action": 1, "ending": 1, "reward": 1, "feature": width})
+    sizes = dict.fromkeys(("world", "agent", "action", "ending", "reward", "extra"), 1)
+    episode = EpisodeState.allocate({**sizes, "feature": width})
     pool(np.arange(1), Bound(np.zeros(1, np.int64), column, options), sectors, episode)
     assert not episode.observation[..., :column].any()
     return episode.observation[0, 0, column:]

@@ -19,7 +19,7 @@ from stable_baselines3.common.buffers import RolloutBuffer
 from stable_baselines3.common.vec_env import DummyVecEnv
 
 from irsim_gym import sb3
-from irsim_gym.envs.sb3_learning.gru import SequenceBuffer
+from irsim_gym.envs.sb3_learning.gru import SequenceBuffer, SequenceTable
 from irsim_gym.errors import IrsimGymError
 from irsim_gym.evaluation.protocol.protocol import evaluate
 from irsim_gym.evaluation.requests.episode_setup import make_episodes
@@ -144,6 +144,19 @@ def test_it_remembers_what_it_has_seen_over_the_ends_of_sequences() -> None:
         seen, rewards, starts, _ = env.step(actions)
         paid += rewards.sum()
     assert paid >= 62  # a policy without memory: 32
+
+
+def test_minibatches_are_of_about_the_same_size_and_each_row_is_in_one() -> None:
+    """Five sequences of two rows, three minibatches: the sequences end after 2, 4, 6, .. of 10 rows, cut at 10 / 3."""
+    sequences = SequenceTable(np.arange(0, 10, 2), np.full(5, 2), np.arange(5.0)[:, None])
+    parts = list(sequences.shuffled(4))
+    assert [running.tolist() for _, running, _ in parts] == [[1, 1], [2, 2], [2, 2]]
+    assert sorted(np.concatenate([rows for rows, _, _ in parts]).tolist()) == list(range(10))
+    for rows, running, memories in parts:
+        first, second = rows[: running[0]], rows[running[0] :]
+        assert second.tolist() == (first + 1).tolist()
+        assert memories[:, 0].tolist() == (first / 2).tolist()
+    assert [len(rows) for rows, _, _ in sequences.shuffled(None)] == [10]
 
 
 @pytest.mark.parametrize("waits", [False, True])

@@ -21,7 +21,6 @@ from rich.console import Console
 from irsim_gym import sb3
 from irsim_gym.errors import IrsimGymError
 from irsim_gym.evaluation.comparison.evaluate import evaluate_policies
-from irsim_gym.evaluation.comparison.trajectory_figures import TrajectoryFigure
 from irsim_gym.evaluation.requests.interruption import TrainingInterruptedError
 from irsim_gym.evaluation.requests.remembered import remembered_parameters
 from irsim_gym.evaluation.requests.scenario_request import ScenarioRequest
@@ -245,7 +244,6 @@ def test_seeds_of_a_mixture_are_summed_up_in_each_scenario(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(TrajectoryFigure, "draw", lambda *args: None)
     Path("hp.yaml").write_text(yaml.safe_dump({"default": {**PPO, "n_timesteps": 96}}))
     asked = ["train", "--mixture", "cluttered_room", "dense_room", "--seeds", "2", "--out", "all"]
     assert command(monkeypatch, *asked, "--hyperparameters", "hp.yaml", "--dev-levels", "4", "--test-levels", "4") == 0

@@ -208,11 +208,11 @@ def test_who_uses_a_policy_is_told_that_its_scenario_has_changed(monkeypatch: py
     Path("yard.yaml").write_text(FILE.replace("step_time: 0.1", "step_time: 0.2"))
     changed = "yard.yaml has changed since run was trained: world.step_time 0.1, now 0.2."
     capsys.readouterr()
-    assert command(monkeypatch, "rollout", "yard.yaml", "run", "--levels", 1) == 0
+    assert command(monkeypatch, "record", "yard.yaml", "run", "--out", "one.gif") == 0
     assert capsys.readouterr().err == f"{changed} As it was: run/scenario/yard.yaml\n"
     with pytest.warns(ChangedScenarioWarning, match=r"step_time 0\.1, now 0\.2"):
         irsim_gym.evaluate("yard.yaml", "run", levels=1, references=False)
-    assert command(monkeypatch, "rollout", "run/scenario/yard.yaml", "run", "--levels", 1) == 0
+    assert command(monkeypatch, "record", "run/scenario/yard.yaml", "run", "--out", "two.gif") == 0
     assert capsys.readouterr().err == ""
     train_here = ["train", "yard.yaml", "--hyperparameters", "ppo.yaml", "--out", "run", "--dev-levels", 1]
     assert command(monkeypatch, *train_here, "--resume") == 0

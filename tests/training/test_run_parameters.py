@@ -107,7 +107,6 @@ def test_policies_are_driven_with_what_their_runs_were_trained_with(
     ("command", "function"),
     [
         (["evaluate", "swap.yaml", "three", "--team"], "irsim_gym.cli.work.commands.evaluate_policies"),
-        (["rollout", "swap.yaml", "three"], "irsim_gym.cli.work.commands.evaluate_policies"),
         (["record", "swap.yaml", "three"], "irsim_gym.evaluation.comparison.record.record_film"),
     ],
 )
@@ -144,8 +143,6 @@ def test_the_command_line(file: str, monkeypatch: pytest.MonkeyPatch, capsys: py
     assert said[2] == "  speed = 0.5 [m/s]   a number                     Greatest speed."
     assert run(monkeypatch, "run", file, "--set", "n_robots=3", "--steps", "2") == 0
     assert "robot_2: under way" in capsys.readouterr().out
-    assert run(monkeypatch, "rollout", file, "--set", "n_robots=1", "--levels", "1") == 0
-    assert "level 0: success" in capsys.readouterr().out
     assert run(monkeypatch, "evaluate", file, "--set", "n_robots=1", "--levels", "1") == 0
     table = Path("runs/evaluation-swap-n_robots=1-test/table.txt").read_text()
     assert "swap (n_robots = 1, speed = 1): 1 test levels" in table

@@ -5,7 +5,8 @@ import numpy as np
 import pytest
 from matplotlib.image import imread
 
-from irsim_gym.training.curves.learning_curve import draw_curve
+from irsim_gym.rendering.looks.fonts import label
+from irsim_gym.training.curves.learning_curve import draw_curve, draw_curves
 from irsim_gym.training.curves.score import reached, read_curve
 from irsim_gym.training.settings.run import Run
 
@@ -35,6 +36,16 @@ def test_curve_is_drawn_without_a_display(tmp_path: Path) -> None:
     picture = imread(tmp_path / "curve.png")
     assert picture.ndim == 3
     assert np.ptp(picture[..., 0]) > 0.5
+
+
+def test_names_that_look_like_formulas_are_text(tmp_path: Path) -> None:
+    """Also where an odd formula would be an error, and in legends, whose entries may not begin with _."""
+    curve = [{"training_seconds": 1.0, "success": 0.5, "levels": 10}]
+    name = "a $x^{$ b"
+    draw_curves(tmp_path / "curves.png", name, [{"run": run, "curve": curve} for run in (name, "_x")], "success")
+    assert (tmp_path / "curves.png").is_file()
+    assert label("_x").endswith("_x")
+    assert not label("_x").startswith("_")
 
 
 @pytest.mark.parametrize("content", ["[]", "null", '{"points": null}', '{"points": [3]}', '{"points": [{"steps": 1}]}'])

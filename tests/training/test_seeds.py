@@ -13,7 +13,6 @@ from command_line import run as command
 
 from irsim_gym.cli.work.seed_runs import group_folder
 from irsim_gym.errors import IrsimGymError
-from irsim_gym.evaluation.comparison.trajectory_figures import TrajectoryFigure
 from irsim_gym.evaluation.levels.draw import draw_levels
 from irsim_gym.evaluation.requests.episode_setup import make_episodes
 from irsim_gym.training.curves.seed_summary import named_as_runs, read_seed, seed_cells
@@ -34,9 +33,8 @@ WORDS = ("train", "yard.yaml", "--hyperparameters", "ppo.yaml", "--dev-levels", 
 
 @pytest.fixture(autouse=True)
 def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """A new working directory with a scenario and hyper-parameters for short runs; pictures of ways take too long."""
+    """A new working directory with a scenario and hyper-parameters for short runs."""
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(TrajectoryFigure, "draw", lambda *args: None)
     Path("yard.yaml").write_text(FILE)
     Path("ppo.yaml").write_text(f"default: {{{TINY}}}")
     return tmp_path

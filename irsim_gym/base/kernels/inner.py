@@ -5,10 +5,8 @@ again: a body four calls deep is compiled four times. The libraries here keep th
 compiled once, with the kernel that is called from outside. This takes a cold start half as long.
 """
 
-from __future__ import annotations
-
 import itertools
-from typing import Any
+from typing import Any, Self
 
 from llvmlite import binding
 from numba.core import codegen
@@ -33,7 +31,7 @@ class InnerLibrary(Library):  # type: ignore[misc]
     codegen = _NoEngine
 
     @classmethod
-    def restore(cls, generator: Any, kept: Any) -> InnerLibrary:
+    def restore(cls, generator: Any, kept: Any) -> Self:
         """Make a library from what is on disk, without the machine code that Numba would make of it.
 
         Args:

@@ -5,7 +5,7 @@ from typing import Annotated, ClassVar
 import numpy as np
 
 from irsim_gym.base.arraytypes import Flags
-from irsim_gym.base.options import Bounds, Drawn, drawn_problems
+from irsim_gym.base.options import Bounds, Drawn
 from irsim_gym.base.rng import uniform
 from irsim_gym.simulator.geometry.angles import wrap
 from irsim_gym.simulator.world.disturbed import Disturbed
@@ -22,8 +22,6 @@ class BlindSector:
     acts_on: ClassVar[str] = "scan"
 
     width: Annotated[Drawn, Bounds(0.0, FULL_TURN)] = option(0.0, unit="rad", meaning="Angle of the sector.")
-
-    problems = drawn_problems
 
     @staticmethod
     def prepare(group: Group, model: Model, n_slots: int) -> None:

@@ -4,7 +4,7 @@ from typing import Annotated, ClassVar
 
 import numpy as np
 
-from irsim_gym.base.options import Bounds, Drawn, drawn_problems
+from irsim_gym.base.options import Bounds, Drawn
 from irsim_gym.simulator.world.disturbed import Disturbed
 from irsim_gym.simulator.world.names import Floats, Group, Ints, Model, Shard, State, kernel, kind, option
 from irsim_gym.simulator.world.response import Response
@@ -23,8 +23,6 @@ class DriveLag:
     dead_band: Annotated[Drawn, Bounds(0.0, 100.0)] = option(
         0.0, unit="m/s or rad/s", meaning="Each number of a command that is smaller than this counts as 0."
     )
-
-    problems = drawn_problems
 
     @staticmethod
     def prepare(group: Group, model: Model, n_slots: int) -> None:
@@ -79,11 +77,8 @@ def note_lag(worlds: Ints, disturbed: Disturbed, model: Model, response: Respons
     """
     for w in worlds:
         for k in range(disturbed.members.shape[0]):
-            place, tau, least = (
-                response.place[disturbed.members[k]],
-                disturbed.values[w, k, 0],
-                disturbed.values[w, k, 1],
-            )
+            place = response.place[disturbed.members[k]]
+            tau, least = disturbed.values[w, k, 0], disturbed.values[w, k, 1]
             if place >= 0:
                 response.share[w, place] *= share_of(tau, model)
                 response.dead_band[w, place] = max(response.dead_band[w, place], least)

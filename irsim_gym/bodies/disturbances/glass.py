@@ -5,7 +5,7 @@ from typing import Annotated, ClassVar
 import numpy as np
 
 from irsim_gym.base.arraytypes import BodyOutline, Flags, Floats
-from irsim_gym.base.options import Bounds, Drawn, drawn_problems
+from irsim_gym.base.options import Bounds, Drawn
 from irsim_gym.base.rng import mix, stream_base, uniform
 from irsim_gym.bodies.sensors.scan_tables import mount_pose
 from irsim_gym.simulator.geometry.segments import point_segment_distance2
@@ -34,8 +34,6 @@ class Glass:
     seen_within: Annotated[Drawn, Bounds(0.0, 0.5 * np.pi)] = option(
         0.3, unit="rad", meaning="Greatest angle between a beam that is reflected and the normal of the surface."
     )
-
-    problems = drawn_problems
 
     @staticmethod
     def prepare(group: Group, model: Model, n_slots: int) -> None:

@@ -4,7 +4,7 @@ from typing import Annotated, ClassVar
 
 import numpy as np
 
-from irsim_gym.base.options import Bounds, Drawn, drawn_problems
+from irsim_gym.base.options import Bounds, Drawn
 from irsim_gym.simulator.world.disturbed import Disturbed, whole_steps
 from irsim_gym.simulator.world.names import Floats, Group, Ints, Model, Shard, State, kernel, kind, option
 from irsim_gym.simulator.world.response import Response
@@ -23,8 +23,6 @@ class Latency:
     time: Annotated[Drawn, Bounds(0.0, 10.0)] = option(
         0.0, unit="s", meaning="From a measurement to the wheels, rounded up to whole steps."
     )
-
-    problems = drawn_problems
 
     @staticmethod
     def prepare(group: Group, model: Model, n_slots: int) -> None:

@@ -6,7 +6,7 @@ from typing import Annotated, ClassVar, Literal
 import numpy as np
 
 from irsim_gym.base.arraytypes import Labels, Rays
-from irsim_gym.base.options import Bounds, Drawn, drawn_problems
+from irsim_gym.base.options import Bounds, Drawn
 from irsim_gym.base.rng import next_bits
 from irsim_gym.simulator.world.disturbed import Disturbed
 from irsim_gym.simulator.world.names import Group, Ints, Model, Shard, State, kernel, kind, option
@@ -28,8 +28,6 @@ class LostBeams:
     reads: Literal["none", "zero"] = option(
         "none", meaning="What a lost beam reads: range_max, as if nothing were there (none), or range_min (zero)."
     )
-
-    problems = drawn_problems
 
     @staticmethod
     def prepare(group: Group, model: Model, n_slots: int) -> None:

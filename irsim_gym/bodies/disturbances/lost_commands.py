@@ -4,7 +4,7 @@ from typing import Annotated, ClassVar
 
 import numpy as np
 
-from irsim_gym.base.options import Bounds, Drawn, drawn_problems
+from irsim_gym.base.options import Bounds, Drawn
 from irsim_gym.base.rng import uniform
 from irsim_gym.simulator.world.disturbed import Disturbed
 from irsim_gym.simulator.world.names import Floats, Group, Ints, Model, Shard, State, kernel, kind, option
@@ -17,8 +17,6 @@ class LostCommands:
     acts_on: ClassVar[str] = "command"
 
     chance: Annotated[Drawn, Bounds(0.0, 1.0)] = option(0.0, meaning="Probability, in each step, that it is lost.")
-
-    problems = drawn_problems
 
     @staticmethod
     def prepare(group: Group, model: Model, n_slots: int) -> None:

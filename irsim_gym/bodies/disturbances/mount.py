@@ -2,7 +2,7 @@
 
 from typing import Annotated, ClassVar
 
-from irsim_gym.base.options import Bounds, Drawn, drawn_problems
+from irsim_gym.base.options import Bounds, Drawn
 from irsim_gym.simulator.world.disturbed import Disturbed
 from irsim_gym.simulator.world.names import Floats, Group, Ints, Model, Shard, State, kernel, kind, option
 from irsim_gym.simulator.world.own_scan import OwnScan
@@ -17,8 +17,6 @@ class Mount:
     x: Annotated[Drawn, Bounds(-100.0, 100.0)] = option(0.0, unit="m", meaning="How far it is ahead of that place.")
     y: Annotated[Drawn, Bounds(-100.0, 100.0)] = option(0.0, unit="m", meaning="How far it is to the left of it.")
     turn: Annotated[Drawn, Bounds(-10.0, 10.0)] = option(0.0, unit="rad", meaning="How far it is turned to the left.")
-
-    problems = drawn_problems
 
     @staticmethod
     def disturb(group: Group, model: Model, state: State, shard: Shard) -> None:

@@ -6,7 +6,7 @@ import numpy as np
 
 from irsim_gym.base.arraytypes import Records
 from irsim_gym.base.kernels.structs import record_type
-from irsim_gym.base.options import Bounds, Drawn, drawn_problems
+from irsim_gym.base.options import Bounds, Drawn
 from irsim_gym.base.rng import normal
 from irsim_gym.simulator.geometry.angles import wrap_from
 from irsim_gym.simulator.world.disturbed import Disturbed, whole_steps
@@ -38,8 +38,6 @@ class Odometry:
         0.0, unit="rad/m", meaning="Drift of the heading to the left for each metre."
     )
     fix: PositionFix | None = option(None, meaning="A mapping with the keys every, std and angle_std; default: none.")
-
-    problems = drawn_problems
 
     @staticmethod
     def prepare(group: Group, model: Model, n_slots: int) -> None:

@@ -4,7 +4,7 @@ from typing import Annotated, ClassVar
 
 import numpy as np
 
-from irsim_gym.base.options import Bounds, Drawn, drawn_problems
+from irsim_gym.base.options import Bounds, Drawn
 from irsim_gym.base.rng import mix, uniform
 from irsim_gym.simulator.world.disturbed import Disturbed
 from irsim_gym.simulator.world.names import Floats, Group, Ints, Model, Shard, State, kernel, kind, option
@@ -22,8 +22,6 @@ class Radius:
     offset: Annotated[Drawn, Bounds(-100.0, 100.0)] = option(
         0.0, unit="m", meaning="True radius, less the one of the entry; at least 1 mm remains."
     )
-
-    problems = drawn_problems
 
     @staticmethod
     def prepare(group: Group, model: Model, n_slots: int) -> None:

@@ -4,7 +4,7 @@ from typing import Annotated, ClassVar
 
 import numpy as np
 
-from irsim_gym.base.options import Bounds, Drawn, drawn_problems
+from irsim_gym.base.options import Bounds, Drawn
 from irsim_gym.simulator.world.disturbed import Disturbed
 from irsim_gym.simulator.world.names import Group, Ints, Model, Rays, Shard, State, kernel, kind, option
 from irsim_gym.simulator.world.own_scan import OwnScan
@@ -21,8 +21,6 @@ class RangeBias:
 
     offset: Annotated[Drawn, Bounds(-100.0, 100.0)] = option(0.0, unit="m", meaning="Added to each range.")
     scale: Annotated[Drawn, Bounds(-1.0, 10.0)] = option(0.0, meaning="Share by which each range is too long.")
-
-    problems = drawn_problems
 
     @staticmethod
     def disturb(group: Group, model: Model, state: State, shard: Shard) -> None:

@@ -5,7 +5,7 @@ from typing import Annotated, ClassVar
 import numpy as np
 
 from irsim_gym.base.arraytypes import Rays
-from irsim_gym.base.options import Bounds, Drawn, drawn_problems
+from irsim_gym.base.options import Bounds, Drawn
 from irsim_gym.simulator.world.disturbed import Disturbed, whole_steps
 from irsim_gym.simulator.world.names import Group, Ints, Model, Shard, State, kernel, kind, option
 from irsim_gym.simulator.world.own_scan import OwnScan
@@ -20,8 +20,6 @@ class ScanRate:
     every: Annotated[Drawn, Bounds(0.0, 100.0)] = option(
         0.0, unit="s", meaning="Time from one scan to the next, rounded up to whole steps."
     )
-
-    problems = drawn_problems
 
     @staticmethod
     def prepare(group: Group, model: Model, n_slots: int) -> None:

@@ -2,7 +2,7 @@
 
 from typing import Annotated, ClassVar
 
-from irsim_gym.base.options import Bounds, Drawn, drawn_problems
+from irsim_gym.base.options import Bounds, Drawn
 from irsim_gym.simulator.world.disturbed import Disturbed
 from irsim_gym.simulator.world.model import ACKERMANN, DIFFERENTIAL
 from irsim_gym.simulator.world.names import Group, Ints, Model, Shard, State, kernel, kind, option
@@ -21,8 +21,6 @@ class Slip:
     turn: Annotated[Drawn, Bounds(-1.0, 1.0)] = option(
         0.0, meaning="Share of turn rates, or of the steering angle, that is lost; below 0: gained."
     )
-
-    problems = drawn_problems
 
     @staticmethod
     def disturb(group: Group, model: Model, state: State, shard: Shard) -> None:

@@ -2,21 +2,12 @@
 
 import numpy as np
 
-from irsim_gym.base.arraytypes import Floats
 from irsim_gym.bodies.shields.tables import ShieldTables
-from irsim_gym.bodies.shields.walls import Pose, is_too_near
+from irsim_gym.bodies.shields.walls import is_too_near
 from irsim_gym.simulator.step.command_limits import hold_speed
-from irsim_gym.simulator.world.names import (
-    ACKERMANN,
-    DIFFERENTIAL,
-    OMNI_ANGULAR,
-    OMNI_WORLD,
-    Model,
-    State,
-    kernel,
-    row_of,
-)
+from irsim_gym.simulator.world.names import Model, State, kernel, row_of
 from irsim_gym.simulator.world.outline import own_outline
+from irsim_gym.simulator.world.twist import body_twist
 
 REST = 2e-5
 """A body that goes no farther than this has stopped [m]."""
@@ -65,7 +56,8 @@ def roll_on(
     if model.speed_bound[b]:
         hold_speed(now, high[0])
     wheelbase = 0.0 if tables.by_rate[k] else model.wheelbase[b]
-    ahead, left, rate = twist_of(now, at[3], state.pose[w, b, 2] + at[2], model.drive[b], wheelbase)
+    heading = state.pose[w, b, 2] + at[2]
+    ahead, left, rate = body_twist(now, at[3], np.cos(heading), np.sin(heading), model.drive[b], wheelbase)
     cosine, sine = np.cos(at[2]), np.sin(at[2])
     at[0] += (cosine * ahead - sine * left) * dt
     at[1] += (sine * ahead + cosine * left) * dt
@@ -108,27 +100,3 @@ def brakes_in_time(
         if step > tables.response.n_pending[w, a] and moves + reach * turns < REST * tables.response.share[w, a]:
             return True, length
     return False, length
-
-
-@kernel
-def twist_of(velocity: Floats, steering: float, heading: float, drive: int, wheelbase: float) -> Pose:
-    """Return velocity ahead and to the left [m/s] and turn rate [rad/s] of a drive in a step.
-
-    Args:
-        velocity: What it executes, in its own coordinates, shape ``(3,)``.
-        steering: The steering angle of a car in the step before [rad], which it still rolls at.
-        heading: Direction of the body's x axis [rad].
-        drive: How its command reads, see ``simulator.world.model``.
-        wheelbase: Axle distance of a car [m]; 0 if its command has a turn rate.
-    """
-    first, second = velocity[0], velocity[1]
-    if drive == DIFFERENTIAL:
-        return first, 0.0, second
-    if drive == ACKERMANN:
-        if wheelbase > 0.0:
-            return first, 0.0, first * np.tan(steering) / wheelbase
-        return first, 0.0, second if first != 0.0 else 0.0
-    if drive == OMNI_WORLD:
-        cosine, sine = np.cos(heading), np.sin(heading)
-        return cosine * first + sine * second, cosine * second - sine * first, 0.0
-    return first, second, velocity[2] if drive == OMNI_ANGULAR else 0.0

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from irsim_gym.bodies.shields.rolling import brakes_in_time, twist_of
+from irsim_gym.bodies.shields.rolling import brakes_in_time
 from irsim_gym.bodies.shields.tables import ShieldTables, lay_tables
 from irsim_gym.bodies.shields.walls import ROUNDING, lay_walls
 from irsim_gym.simulator.geometry.angles import wrap
@@ -21,6 +21,7 @@ from irsim_gym.simulator.world.names import (
     option,
 )
 from irsim_gym.simulator.world.response import Response
+from irsim_gym.simulator.world.twist import body_twist
 
 HALVINGS = 7
 """Halvings of the interval in which the greatest speed lies."""
@@ -104,7 +105,8 @@ def looks_there(w: int, k: int, tables: ShieldTables, model: Model, state: State
     Reads: tables (members, scan), model (drive), state (command, pose).
     """
     b, angles = tables.members[k], tables.scan.angles[tables.scan.sensors[k]]
-    ahead, left, _ = twist_of(state.command[w, b], 0.0, state.pose[w, b, 2], model.drive[b], 1.0)
+    cosine, sine = np.cos(state.pose[w, b, 2]), np.sin(state.pose[w, b, 2])
+    ahead, left, _ = body_twist(state.command[w, b], 0.0, cosine, sine, model.drive[b], 1.0)
     half, middle = 0.5 * (angles[-1] - angles[0]), 0.5 * (angles[-1] + angles[0])
     if ahead == 0.0 and left == 0.0:
         return True

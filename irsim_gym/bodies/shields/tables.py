@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from irsim_gym.base.arraytypes import Flags, Floats, Ints
+from irsim_gym.bodies.behaviors.shared.steering import commanded_by_rate
 from irsim_gym.simulator.world.names import Group, Struct
 from irsim_gym.simulator.world.own_scan import OwnScan
 from irsim_gym.simulator.world.response import Response
@@ -54,14 +55,12 @@ def lay_tables(group: Group, response: Response, n_slots: int) -> ShieldTables:
         response: How bodies respond to commands.
         n_slots: Number of shards.
     """
-    bodies = () if group.context is None else group.context.bodies
-    modes = [getattr(bodies[b].kinematics, "mode", "") if bodies else "" for b in group.members.tolist()]
     n_walls = WALLS_OF_A_PAIR * group.scan.ranges.shape[2]
     return ShieldTables(
         members=group.members,
         margin=np.array([one.margin for one in group.options], np.float64),
         horizon=np.array([getattr(one, "horizon", 0.0) for one in group.options], np.float64),
-        by_rate=np.array([mode == "angular" for mode in modes], np.bool_),
+        by_rate=commanded_by_rate(group),
         scan=group.scan,
         response=response,
         command=np.zeros((n_slots, 3)),

@@ -1,14 +1,13 @@
 """The command ``irsim-gym play``: a person drives the robot of a task in a window, in real time."""
 
-from __future__ import annotations
-
+import sys
 import time
 from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -31,16 +30,17 @@ from irsim_gym.scenario.reading.load import load_scenario
 from irsim_gym.scenario.specs.spec import Scenario
 from irsim_gym.tasks import Outcome, load_task
 
-if TYPE_CHECKING:
-    from irsim_gym.envs.gymnasium.worlds import Worlds
-    from irsim_gym.rendering.windows.play_screen import PlayScreen
-
 RESULT_S = 1.2
 """Time for which the end of an episode is shown before the next level begins [s]."""
 MAX_WAIT_S = 0.02
 """Longest time between two checks of the keys [s]."""
-MESSAGE_S = 3.0
-"""Time for which a message is shown [s]."""
+KEYS = """\
+w, s     ahead, back (omni: along x)         q, e     slower, faster (omni_angular: turn)
+a, d     turn (omni: along y, sideways)      z, c     turn slower, faster (with shift: ahead)
+space    pause          F5   one step        r, n     this level again, the next level
+x        by itself      v    picture         alt 0-9  another robot
+l        file again     y    stop drawing    wheel    zoom          esc  leave
+"""
 
 
 @dataclass(frozen=True)
@@ -108,11 +108,10 @@ class Player:
         self._outcomes: Counter[str] = Counter()
         self._paused = self._single_step = self._quit = self._hidden = False
         self._auto = self._policy
-        self._message, self._said_at = "", 0.0
         self._begin()
         keys, title = self._scenario.gui.keyboard, f"{self._scenario.label} - irsim-gym play"
         first = self._picture(keys.key_lv_max, keys.key_ang_max)
-        self._driver = Driver(title, first, self._scenario.gui, self._screen.seen)
+        self._driver = Driver(title, first, self._scenario.gui, lambda: self._renderer.seen())
         self._driver.keyboard.key_id = self._number
 
     def _read(self, robot: str | None) -> None:
@@ -128,7 +127,7 @@ class Player:
         self._env, self._worlds = env, env.unwrapped.worlds
         self._body = int(self._worlds.simulation.agents[0])
         self._number = self._scenario.robots.index(self._body)
-        self._screen = _screen(self._worlds, self._body)
+        self._renderer = make_renderer(self._worlds.simulation)
 
     def _begin(self) -> None:
         """Begin the current level."""
@@ -139,7 +138,7 @@ class Player:
             self._recorder.discard()
             self._recorder.begin(self._seen, self._level)
         self._return, self._steps, self._ended_at = 0.0, 0, 0.0
-        self._screen.clear()
+        self._renderer.clear()
 
     def run(self) -> PlayResult:
         """Play until the person quits with esc, Ctrl-C or by closing the window; then write the demonstrations."""
@@ -191,7 +190,7 @@ class Player:
         """Wait for the next step, and handle keys in the meantime."""
         while True:
             turns = len(self._scenario.bodies[self._body].kinematics.command_names) == 3
-            self._driver.execute(self._handle, lambda limits: self._screen.look_at(limits), drives=True, turns=turns)
+            self._driver.execute(self._handle, self._renderer.look_at, drives=True, turns=turns)
             if self._driver.keyboard.key_id != self._number:
                 self._choose(self._driver.keyboard.key_id)
             left = due - time.perf_counter()
@@ -281,7 +280,7 @@ class Player:
 
         path = Path(f"{self._scenario.name}_{self._level}_{self._steps:04d}.png")
         content = io.BytesIO()
-        imsave(content, self._screen.frame(world_status(self._worlds.episodes, 0)), format="png")
+        imsave(content, self._renderer.frame(0, world_status(self._worlds.episodes, 0)), format="png")
         write_bytes(path, content.getvalue())
         self._say(f"saved {path}")
 
@@ -292,20 +291,14 @@ class Player:
 
     def _picture(self, speed: float, turn_rate: float) -> Bytes:
         """Return the contents of the window, with the maximum speeds of the keys [m/s, rad/s]."""
-        from irsim_gym.rendering.windows.play_screen import Standing
-
-        standing = Standing(
-            level=f"level {self._level}" + ("" if self._settings.split == "train" else f" ({self._settings.split})"),
-            robot=self._scenario.bodies[self._body].name,
-            steps=f"step {self._steps} of {self._worlds.task.max_steps}",
-            speeds=self._speeds(speed, turn_rate),
-            paid=f"return {self._return:.2f}",
-            recorded=None if self._recorder is None else self._recorder.n_episodes,
-            paused=self._paused,
-            by_itself=None if self._auto is None else self._settings.policy or self._behavior(),
-            message=self._message if time.perf_counter() - self._said_at < MESSAGE_S else "",
-        )
-        return self._screen.picture(world_status(self._worlds.episodes, 0), standing)
+        if self._ended_at:
+            return self._renderer.frame(0, world_status(self._worlds.episodes, 0))
+        policy = Path(self._settings.policy or self._behavior()).name
+        driver = policy if self._auto is not None else self._speeds(speed, turn_rate)
+        told = [self._scenario.bodies[self._body].name, driver, f"level {self._level}", f"return {self._return:.2f}"]
+        if self._recorder is not None:
+            told.append(f"recorded {self._recorder.n_episodes}")
+        return self._renderer.frame(0, ", ".join([*told, *(["paused"] if self._paused else [])]))
 
     def _speeds(self, speed: float, turn_rate: float) -> str:
         """Return the maximum speeds of the keys as text, limited to those of the robot."""
@@ -315,8 +308,8 @@ class Player:
         return linear if names == ("x", "y") else f"{linear}, {turning:g} rad/s"
 
     def _say(self, message: str) -> None:
-        """Show a message for ``MESSAGE_S`` seconds."""
-        self._message, self._said_at = message, time.perf_counter()
+        """Print a message to the terminal, below the keys."""
+        print(message, file=sys.stderr)
 
 
 def play(settings: PlaySettings) -> PlayResult:
@@ -326,16 +319,9 @@ def play(settings: PlaySettings) -> PlayResult:
     outputs = [] if record is None else [partial(check_demonstrations, record)]
     policies = [] if settings.policy is None else [settings.policy]
     check_inputs(asked, *outputs, policies=policies, split=settings.split)
-    return Player(settings).run()
-
-
-def _screen(worlds: Worlds, body: int) -> PlayScreen:
-    """Return the screen that shows the world of an environment to the person."""
-    from irsim_gym.rendering.windows.play_screen import PlayScreen
-
-    scenario, renderer = worlds.scenario, make_renderer(worlds.simulation)
-    names, several = scenario.bodies[body].kinematics.command_names, len(scenario.robots) > 1
-    return PlayScreen(renderer, names, several=several)
+    player = Player(settings)
+    print(KEYS, file=sys.stderr)
+    return player.run()
 
 
 def perceived(scenario: Scenario, task: Any, perception: Perception) -> dict[str, Any]:

@@ -1,4 +1,4 @@
-"""The commands that train, evaluate, roll out and record policies, with their output."""
+"""The commands that train, evaluate and record policies, with their output."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
@@ -14,8 +14,6 @@ from irsim_gym.base.errors import IrsimGymError
 from irsim_gym.base.extras import require
 from irsim_gym.evaluation.comparison.evaluate import Evaluation, evaluate_policies
 from irsim_gym.evaluation.levels.level_survey import survey
-from irsim_gym.evaluation.measures.metrics import EpisodeRow
-from irsim_gym.evaluation.measures.team_metrics import TeamRow
 from irsim_gym.evaluation.protocol.tables import PLAIN, legend, print_table
 from irsim_gym.evaluation.requests.folders import check_free, check_no_results, evaluation_folder, free_file
 from irsim_gym.evaluation.requests.inputs import check_folder, check_inputs
@@ -190,7 +188,7 @@ def run_evaluation(
     how: dict[str, Any] = {"levels": levels, "split": split, "references": references}
     found = evaluate_policies(asked, methods, folder=folder, **how)
     print_evaluation(found)
-    print(f"rows, summary, table, and a figure of the trajectories (ways.png, ways.pdf): {folder}")
+    print(f"rows, summary and table: {folder}")
     return found
 
 
@@ -210,51 +208,6 @@ def print_evaluation(found: Evaluation) -> None:
     for table in found.tables:
         print_table(table)
     print(found.legend)
-
-
-def run_rollout(
-    asked: ScenarioRequest, policy: str, *, levels: int, split: str, out: Sequence[Path] = (), overwrite: bool = False
-) -> None:
-    """Play a few levels with a policy, and print a line for each; with a team, a line for each robot.
-
-    Args:
-        out: Films and files of demonstrations to write, by their suffixes.
-        overwrite: Replace existing films. Demonstrations are appended to.
-
-    Raises:
-        IrsimGymError: If a team is to write demonstrations: a file holds those of a single robot.
-    """
-    from irsim_gym.evaluation.comparison.record import FILMS, check_suffix, record_film
-    from irsim_gym.evaluation.comparison.recorder import SUFFIX, record_demonstrations
-
-    records = [file for file in out if file.suffix == SUFFIX]
-    films = [file for file in out if file not in records]
-    if asked.team and records:
-        raise IrsimGymError(f"{records[0]} stores the steps of one robot: do not pass --team")
-    suffixes = (*FILMS, SUFFIX)
-    checks = [partial(check_suffix, film, suffixes, "an output") for film in films]
-    checks += [partial(check_free, film, overwrite) for film in films]
-    check_inputs(asked, *checks, policies=[policy], split=split)
-    asked = as_trained(asked, [policy])
-    found = evaluate_policies(asked, [policy], levels=levels, split=split, references=False)
-    rows: Sequence[EpisodeRow | TeamRow] = next(iter(found.rows.values()))
-    for row in rows:
-        for who, one in _episodes(row):
-            hit = f" with {one.hit}" if one.hit else ""
-            print(f"{who}: {one.outcome}{hit} after {one.time:.1f} s, {one.path_length:.2f} m driven")
-    for film in films:
-        print(record_film(asked, [policy], range(levels), film, split=split))
-    for record in records:
-        named: dict[str, Any] = {"task": asked.task, "strict": asked.strict, **(asked.parameters or {})}
-        kept = record_demonstrations(asked.scenario, policy, record, levels, split=split, **named)
-        print(f"{record}: {kept.n_episodes} episodes, {len(kept)} steps")
-
-
-def _episodes(row: EpisodeRow | TeamRow) -> list[tuple[str, EpisodeRow]]:
-    """Return the episodes of a level, each with its name."""
-    if isinstance(row, EpisodeRow):
-        return [(f"level {row.level}", row)]
-    return [(f"level {agent.episode.level}, {agent.agent}", agent.episode) for agent in row.agents]
 
 
 def run_record(

@@ -1,7 +1,5 @@
 """The command ``irsim-gym describe``: print what an environment observes."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Iterator
 

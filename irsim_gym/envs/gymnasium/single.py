@@ -1,7 +1,5 @@
 """One world as a ``gymnasium.Env``."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import gymnasium

@@ -1,7 +1,5 @@
 """Many worlds as a ``gymnasium.vector.VectorEnv``, stepped together by the compiled core."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from typing import Any
 

@@ -1,8 +1,6 @@
 """What a batch shows of one of its worlds: names that a single environment has."""
 
-from __future__ import annotations
-
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 
@@ -67,7 +65,7 @@ class WorldView:
         return self.worlds.action_space
 
     @property
-    def unwrapped(self) -> WorldView:
+    def unwrapped(self) -> Self:
         """Itself."""
         return self
 

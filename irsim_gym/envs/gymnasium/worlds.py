@@ -1,7 +1,5 @@
 """What all adapters share: worlds with one learner each, their levels, infos and pictures."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path

@@ -1,7 +1,5 @@
 """From fragments to the batches that RLlib's learners take, without a copy for each row."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import Any
 

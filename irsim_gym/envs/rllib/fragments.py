@@ -1,10 +1,8 @@
 """What a sampler hands to a learner: the experience of many agents as flat arrays, and what follows from it."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -47,11 +45,11 @@ class Fragment:
     def __len__(self) -> int:
         return len(self.reward)
 
-    def __getitem__(self, rows: slice) -> Fragment:
+    def __getitem__(self, rows: slice) -> Self:
         """Return consecutive rows; see ``slice``."""
         return self.slice(rows)
 
-    def slice(self, rows: slice, len_lookback_buffer: int | None = None) -> Fragment:
+    def slice(self, rows: slice, len_lookback_buffer: int | None = None) -> Self:
         """Return consecutive rows. If they end inside a piece, its last row here is cut.
 
         Args:

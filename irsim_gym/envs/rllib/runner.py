@@ -1,11 +1,9 @@
 """Worlds as RLlib samples them: whole arrays, without an object for each world and step."""
 
-from __future__ import annotations
-
 import time
 import warnings
 from collections.abc import Mapping
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 import ray
@@ -51,7 +49,7 @@ class Rows:
         self.action_space = batch_space(batch.action_space, self.n_rows)
 
     @property
-    def unwrapped(self) -> Rows:
+    def unwrapped(self) -> Self:
         """The rows themselves."""
         return self
 
@@ -225,12 +223,10 @@ class ArrayEnvRunner(SingleAgentEnvRunner):  # type: ignore[misc]
     def _log_steps(self, steps: int, ended: int) -> None:
         """Log how many rows were sampled; RLlib counts these as steps of one environment and agent."""
         self.num_env_steps_sampled_lifetime += steps
-        for name in (names.NUM_ENV_STEPS_SAMPLED, names.NUM_EPISODES):
-            value = steps if name == names.NUM_ENV_STEPS_SAMPLED else ended
+        for name, value in ((names.NUM_ENV_STEPS_SAMPLED, steps), (names.NUM_EPISODES, ended)):
             self.metrics.log_value(name, value, reduce="sum")
-        for key in (names.NUM_ENV_STEPS_SAMPLED_LIFETIME, names.NUM_EPISODES_LIFETIME):
-            value = steps if key == names.NUM_ENV_STEPS_SAMPLED_LIFETIME else ended
-            self.metrics.log_value(key, value, reduce="lifetime_sum")
+        for name, value in ((names.NUM_ENV_STEPS_SAMPLED_LIFETIME, steps), (names.NUM_EPISODES_LIFETIME, ended)):
+            self.metrics.log_value(name, value, reduce="lifetime_sum")
 
 
 def _started_again() -> bool:

@@ -1,7 +1,5 @@
 """Learning from mirrored rows as a callback of Stable-Baselines3."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

@@ -1,7 +1,7 @@
 """Evaluation of policies on the levels of a split, with the reference policies."""
 
 import sys
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
@@ -10,19 +10,17 @@ from typing import Any
 from rich.console import Console
 from rich.table import Table
 
-from irsim_gym.evaluation.comparison.trajectory_figures import TrajectoryFigure
 from irsim_gym.evaluation.levels.played import PlayedLevels, played_levels
-from irsim_gym.evaluation.measures.metrics import Rate, summarize
+from irsim_gym.evaluation.measures.metrics import summarize
 from irsim_gym.evaluation.measures.optimum import Optima
 from irsim_gym.evaluation.measures.team_metrics import summarize_teams
-from irsim_gym.evaluation.measures.trajectories import Watcher
 from irsim_gym.evaluation.measures.worst_levels import worst_of_policies
 from irsim_gym.evaluation.policies.perception import Perceived
 from irsim_gym.evaluation.policies.policy import Policy
 from irsim_gym.evaluation.policies.reference_policies import ALWAYS_SHOWN, TEAM_SHOWN
 from irsim_gym.evaluation.protocol.progress_bars import progress_bar
 from irsim_gym.evaluation.protocol.protocol import evaluate, optima_of
-from irsim_gym.evaluation.protocol.tables import legend, percent, table_text, worst_table, write_json, write_text
+from irsim_gym.evaluation.protocol.tables import legend, table_text, worst_table, write_json, write_text
 from irsim_gym.evaluation.protocol.team_tables import figure_tables, write_levels, write_rows
 from irsim_gym.evaluation.protocol.teams import evaluate_team
 from irsim_gym.evaluation.requests.episode_setup import conditions, team_conditions
@@ -109,21 +107,16 @@ def evaluate_policies(
     references: bool = True,
     folder: Path | None = None,
 ) -> Evaluation:
-    """Evaluate policies of single robots or of teams, and write tables, rows and figures; see ``irsim_gym.evaluate``.
+    """Evaluate policies of single robots or of teams, and write tables and rows; see ``irsim_gym.evaluate``.
 
     A policy that records the observations and actions of its training keeps them. All others observe and act as the
     task defines. Everything else follows from the task for all policies. All robots of a team share a policy, and
     reference policies that cannot drive all of them are left out, with a message.
     """
     chosen, seeds, worlds = prepare(asked, sources, min(n_worlds, levels), references=references)
-    episodes = worlds.episodes
-    figure = None if folder is None else TrajectoryFigure(episodes)
-    follow: Callable[[str], Watcher | None] = (lambda name: None) if figure is None else figure.follow
-    found = play(chosen, seeds, worlds, levels, split, team=asked.team, follow=follow)
-    if folder is not None and figure is not None:
-        write_results(folder, found, episodes)
-        robots = f" {episodes.n_agents} robots," if asked.team else ""
-        figure.draw(folder, f"{found.scenario}:{robots} {levels:,} {split} levels", _arrivals(found), levels)
+    found = play(chosen, seeds, worlds, levels, split, team=asked.team)
+    if folder is not None:
+        write_results(folder, found, worlds.episodes)
     return found
 
 
@@ -164,22 +157,6 @@ def write_results(folder: Path, found: Evaluation, episodes: Episodes, **more: o
     return summary
 
 
-def _arrivals(found: Evaluation) -> dict[str, str]:
-    """Return a text about the success of each policy."""
-    if not isinstance(found, TeamEvaluation):
-        return {each.policy: f"{_rate_text(each.success)} arrive" for each in found.summaries}
-    return {
-        each.policy: f"all arrive in {_rate_text(each.cooperative_success)} of the levels, "
-        f"{percent(each.individual_success)} % of the robots"
-        for each in found.summaries
-    }
-
-
-def _rate_text(share: Rate) -> str:
-    """Return a share with its confidence interval, in percent."""
-    return f"{percent(share)} % ({100.0 * share.low:.1f}\N{EN DASH}{100.0 * share.high:.1f})"
-
-
 def _named_policies(sources: Sources) -> tuple[dict[str, Policy], dict[str, list[str]]]:
     """Load policies; return them by name, and the names of the policies of each method that has several."""
     methods = by_method(sources)
@@ -197,7 +174,6 @@ def play(
     split: str,
     *,
     team: bool,
-    follow: Callable[[str], Watcher | None] = lambda name: None,
     console: Console | None = None,
     optima: Optima | None = None,
 ) -> Evaluation:
@@ -207,7 +183,6 @@ def play(
         seeds: Names of the policies of each method that has several.
         levels: Number of levels of the split, from level 0.
         team: Whether each policy drives all robots.
-        follow: Returns what observes the steps of a policy, by its name.
         console: Console of the progress bar; None for standard error.
         optima: Optima of earlier evaluations of the same levels; new ones are added.
     """
@@ -216,8 +191,7 @@ def play(
     with progress_bar(console) as bar:
         for name, policy in policies.items():
             advance = partial(bar.advance, bar.add_task(name, total=levels))
-            how: dict[str, Any] = {"optima": optima, "on_episodes": advance, "watcher": follow(name)}
-            rows[name] = evaluation(policy, worlds.of(policy), levels, split, **how)
+            rows[name] = evaluation(policy, worlds.of(policy), levels, split, optima=optima, on_episodes=advance)
     summaries: list[Any] = summarize_teams(rows) if team else [summarize(name, rows[name]) for name in rows]
     level_set, observes = played_levels(simulation, split, levels), observed_by(policies, worlds)
     kind = TeamEvaluation if team else Evaluation

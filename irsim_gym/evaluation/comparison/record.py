@@ -100,16 +100,6 @@ def _frames(cast: Players, world: int, level: int) -> Iterator[Bytes]:
             yield cast.renderer.frame(world, status)
 
 
-def check_suffix(path: Path, known: Sequence[str], what: str) -> None:
-    """Check that the name of a file has one of the known suffixes.
-
-    Raises:
-        IrsimGymError: If it has another one.
-    """
-    if path.suffix.lower() not in known:
-        raise IrsimGymError(f"{what}'s name ends in {' or '.join(known)}, got '{path.name}'")
-
-
 def check_output(path: Path | None, kind: str) -> None:
     """Check that the name of a file, if any, fits what is written into it.
 
@@ -120,5 +110,6 @@ def check_output(path: Path | None, kind: str) -> None:
     Raises:
         IrsimGymError: If it has another suffix.
     """
-    if path is not None:
-        check_suffix(path, FILMS if kind == "film" else REPLAYS, f"a {kind}")
+    known = FILMS if kind == "film" else REPLAYS
+    if path is not None and path.suffix.lower() not in known:
+        raise IrsimGymError(f"a {kind}'s name ends in {' or '.join(known)}, got '{path.name}'")

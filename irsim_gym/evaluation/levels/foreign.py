@@ -1,7 +1,5 @@
 """Reads files of other projects: arrays of known shapes."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any

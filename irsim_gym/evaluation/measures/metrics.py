@@ -1,12 +1,10 @@
 """Metrics: one row per episode, and summaries of many rows."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from statistics import NormalDist
-from typing import Any
+from typing import Any, Self
 
 OUTCOMES = ("success", "collision", "timeout", "left_world", "deadlock", "misplaced")
 ARRIVALS = ("success", "misplaced")
@@ -131,7 +129,7 @@ class Rate:
         """Whether there is no interval, because all episodes are copies of one."""
         return self.low == self.high
 
-    def exact(self) -> Rate:
+    def exact(self) -> Self:
         """Return the share without an interval."""
         return replace(self, low=self.value, high=self.value)
 

@@ -1,7 +1,5 @@
 """Policies that drive the agents of many worlds."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Any, Protocol, runtime_checkable
 

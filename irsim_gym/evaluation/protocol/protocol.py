@@ -11,7 +11,7 @@ from irsim_gym.base.errors import IrsimGymError
 from irsim_gym.evaluation.measures.metrics import HIT_OF_KIND, EpisodeRow
 from irsim_gym.evaluation.measures.motion import MotionLog
 from irsim_gym.evaluation.measures.optimum import Optima
-from irsim_gym.evaluation.measures.trajectories import Watcher
+from irsim_gym.evaluation.measures.watcher import Watcher
 from irsim_gym.evaluation.policies.policy import Actions, ObservationPolicy, Policy, by_agent
 from irsim_gym.scenario.specs.spec import Scenario
 from irsim_gym.simulator.engine import Simulation
@@ -178,7 +178,7 @@ def episode_row(
         goals_reached=_goals_reached(episodes, world, agent),
         goals_per_minute=_goals_per_minute(episodes, world, agent),
         goal_distance=float(infos["goal_distance"]),
-        shield=float(infos.get("shield", math.nan)) / max(int(infos["steps"]), 1),
+        shield=float(infos["shield"]) / max(int(infos["steps"]), 1) if "shield" in infos else math.nan,
     )
 
 

@@ -7,7 +7,7 @@ import numpy as np
 from irsim_gym.evaluation.measures.motion import MotionLog
 from irsim_gym.evaluation.measures.optimum import Optima, straight_distance
 from irsim_gym.evaluation.measures.team_metrics import AgentRow, TeamRow
-from irsim_gym.evaluation.measures.trajectories import Watcher
+from irsim_gym.evaluation.measures.watcher import Watcher
 from irsim_gym.evaluation.protocol.protocol import Driver, drive, episode_row, optima_of
 from irsim_gym.simulator.world.model import OMNI_ANGULAR, OMNI_BODY, OMNI_WORLD
 from irsim_gym.tasks import Episodes

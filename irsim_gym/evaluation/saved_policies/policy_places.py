@@ -1,7 +1,5 @@
 """Where policies are, and what to write where there is none."""
 
-from __future__ import annotations
-
 import os
 import zipfile
 from collections.abc import Callable, Iterable, Iterator, Sequence

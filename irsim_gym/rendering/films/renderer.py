@@ -24,6 +24,11 @@ if TYPE_CHECKING:
     from irsim_gym.scenario.specs.spec import Scenario
 
 
+def no_marks(world: int) -> tuple[Mark, ...]:
+    """Return the marks over a world that has none; unlike a lambda, this can be pickled."""
+    return ()
+
+
 class Renderer:
     """Draws pictures of a simulation's worlds. It only reads, and costs nothing before the first frame.
 
@@ -54,7 +59,7 @@ class Renderer:
         size: tuple[int, int] | None = None,
         trails: Trails | None = None,
         explored: Flags | None = None,
-        marks: Callable[[int], tuple[Mark, ...]] = lambda world: (),
+        marks: Callable[[int], tuple[Mark, ...]] = no_marks,
         share: Share | None = None,
     ) -> None:
         plot = scenario.world.plot

@@ -1,7 +1,5 @@
 """The plan of frames: the items to draw, in order, as records made once from a scenario's styles."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from typing import Any
 

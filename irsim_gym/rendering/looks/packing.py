@@ -1,14 +1,13 @@
 """Compact storage: compressed frames in memory, and tables of numbers as short JSON."""
 
 import zlib
-from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from irsim_gym.base.arraytypes import Bytes, Floats
+from irsim_gym.base.arraytypes import Bytes
 
 METRE, RADIAN = 1e-3, 1e-4
 """Units of lengths and angles in a replay; the maximum error is half a unit."""
@@ -62,12 +61,3 @@ def packed(rows: ArrayLike, unit: float, *, still: bool = True) -> dict[str, Any
     steps = np.diff(held, axis=0, prepend=0.0).astype(np.int64).ravel().tolist()
     values = [None if gone else step for step, gone in zip(steps, absent.ravel().tolist(), strict=True)]
     return {"unit": unit, "width": whole.shape[1], "values": values}
-
-
-def unpacked(data: Mapping[str, Any], count: int) -> Floats:
-    """Return the numbers that were packed, shape ``(count, width)``."""
-    values: Sequence[int | None] = data["values"]
-    table = np.array([np.nan if value is None else value for value in values], np.float64).reshape(-1, data["width"])
-    # Missing numbers add 0, so the next difference still counts from the latest number.
-    sums = np.where(np.isnan(table), np.nan, np.cumsum(np.nan_to_num(table), axis=0)) * data["unit"]
-    return np.array(np.broadcast_to(sums, (count, data["width"])) if len(sums) == 1 else sums)

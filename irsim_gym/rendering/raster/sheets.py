@@ -8,7 +8,7 @@ the same way; see R. Levien, "Inside the fastest font renderer in the world", 20
 
 A sheet is float32 and one row taller than its picture. Its first columns belong to pixels; the columns after them flag
 the tiles of ``TILE`` columns that hold anything, so that the inside of an area need not be summed. The last row, the
-header, holds the range of touched rows and columns, in ``HEADER`` numbers. ``new_sheet`` makes a sheet; each thread
+header, holds the range of touched rows and columns, in 4 numbers. ``new_sheet`` makes a sheet; each thread
 needs its own. ``cover`` walks over a sheet and calls the kernels that blend a colour into pixels of a row.
 
 Positions are in pixels from the upper left corner of the picture, x to the right and y down; the centre of the first
@@ -26,7 +26,6 @@ from irsim_gym.base.kernels import kernel
 
 TILE_BITS = 4
 TILE = 1 << TILE_BITS
-HEADER = 4
 # A colour, and its first three channels as 16-bit numbers.
 Ink = tuple[Floats, Any, Any, Any]
 # Half of 256, so that the division by 256 (``>> 8``) rounds to the nearest number.

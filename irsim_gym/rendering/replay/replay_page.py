@@ -5,7 +5,6 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from irsim_gym.base.outside_files import reading
 from irsim_gym.rendering.looks.files import whole_file
 from irsim_gym.rendering.replay import page_parts
 from irsim_gym.rendering.replay.replay_data import Recording
@@ -43,16 +42,6 @@ def save_html(path: str | Path, recordings: Sequence[Recording], title: str = ""
     with whole_file(target) as part:
         part.write_text(page_parts.whole_page(parts), encoding="utf-8")
     return target
-
-
-def read_html(path: str | Path) -> dict[str, Any]:
-    """Return the data of a page that ``save_html`` wrote.
-
-    Raises:
-        UnreadableFileError: If the file is not such a page; it is a ValueError.
-    """
-    with reading(path, f"replay of version {VERSION}"):
-        return page_parts.main_data(page_parts.held_data(Path(path)), SCHEMA, VERSION)
 
 
 def _recorded(recordings: Sequence[Recording], title: str) -> dict[str, Any]:

@@ -1,20 +1,18 @@
 """Converts plain data to typed options, and reports all mistakes with their paths."""
 
-from __future__ import annotations
-
 import dataclasses
 import functools
 import math
 import types
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import Annotated, Any, TypeVar, Union, get_args, get_origin
+from typing import Annotated, Any, Self, TypeVar, Union, get_args, get_origin
 
 from pydantic import TypeAdapter, ValidationError
 from pydantic.fields import FieldInfo
 
 from irsim_gym.base.errors import Problem, ScenarioError, UnknownNameError, nearest, suggestion
-from irsim_gym.base.options import LARGEST, OPTIONS_CONFIG, option_fields
+from irsim_gym.base.options import LARGEST, OPTIONS_CONFIG, drawn_problems, option_fields
 from irsim_gym.base.registry import Registry
 from irsim_gym.scenario.checking.needless import NEEDLESS, coasts, mapping_of
 from irsim_gym.scenario.checking.whereabouts import elsewhere, unknown_key
@@ -57,7 +55,7 @@ class Report:
         self._unread = {(problem.line, problem.path) for problem in source.problems}
 
     @classmethod
-    def of_file(cls, file: Path) -> Report:
+    def of_file(cls, file: Path) -> Self:
         """Read a file that is no scenario: there, repeated keys are problems.
 
         In scenarios, the last of two equal sections counts, with a warning.
@@ -188,7 +186,7 @@ def _construct(cls: type[T], values: Mapping[str, object], place: Place, report:
             where = (*place, *(part for part in record["loc"] if isinstance(part, str | int)))
             report.add(where, messages.translate(record, record.get("input"), Any))
         return None
-    problems = list(made.problems()) if hasattr(made, "problems") else []
+    problems = [*drawn_problems(made), *(made.problems() if hasattr(made, "problems") else ())]
     for key, message in problems:
         report.add((*place, key) if key else place, message)
     return None if problems else made

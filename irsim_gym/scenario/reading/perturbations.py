@@ -21,10 +21,7 @@ def read_perturbations(text: object) -> tuple[Any, ...]:
     Raises:
         ScenarioError: If one of them cannot be used; the error lists every problem.
     """
-    report = Report(Source(f"{PERTURBED} {show(text)}", None))
-    if not isinstance(text, str):
-        report.add((PERTURBED,), f"must be text such as 'latency:time=0.2; lost_beams:chance=0.1', got {show(text)}")
-        report.check()
+    report = _report(PERTURBED, text, "latency:time=0.2; lost_beams:chance=0.1")
     items = [_read_item(item, (PERTURBED, i), report) for i, item in enumerate(str(text).split(";")) if item.strip()]
     made: Any = read_disturbances(items, (PERTURBED,), report)
     report.check()
@@ -37,13 +34,19 @@ def read_shield(text: object) -> Any:
     Raises:
         ScenarioError: If it cannot be used; the error lists every problem.
     """
-    report = Report(Source(f"{SHIELDED} {show(text)}", None))
-    if not isinstance(text, str):
-        report.add((SHIELDED,), f"must be text such as 'stop_in_time:margin=0.05', got {show(text)}")
-        report.check()
+    report = _report(SHIELDED, text, "stop_in_time:margin=0.05")
     made = build_named(families.SHIELDS, _read_item(str(text), (SHIELDED,), report), (SHIELDED,), report)
     report.check()
     return made
+
+
+def _report(key: str, value: object, example: str) -> Report:
+    """Return a report on an argument, which must be text."""
+    report = Report(Source(f"{key} {show(value)}", None))
+    if not isinstance(value, str):
+        report.add((key,), f"must be text such as '{example}', got {show(value)}")
+        report.check()
+    return report
 
 
 def _read_item(text: str, place: tuple[str | int, ...], report: Report) -> Mapping[str, object]:

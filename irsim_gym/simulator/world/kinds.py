@@ -289,8 +289,9 @@ class Reports(Protocol):
 class DisturbanceKind(Protocol):
     """What makes a robot drive or measure otherwise than its entry says.
 
-    Options of type ``base.options.Drawn`` are drawn for each level: ``group.tables``, a ``Disturbed``, has their values
-    and a random stream for each member. It may have ``prepare``, as a drive has it, to make room in ``group.arrays``.
+    Options of type ``base.options.Drawn`` are drawn for each level, between the ``Bounds`` that they are annotated
+    with: ``group.tables``, a ``Disturbed``, has their values and a random stream for each member. It may have
+    ``prepare``, as a drive has it, to make room in ``group.arrays``.
     """
 
     acts_on: ClassVar[

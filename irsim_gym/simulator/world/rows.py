@@ -1,7 +1,5 @@
 """Rows of arrays whose first axis is the world."""
 
-from __future__ import annotations
-
 from typing import Any
 
 from numpy.typing import NDArray

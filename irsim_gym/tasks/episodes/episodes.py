@@ -78,8 +78,7 @@ class Episodes:
         self._on_the_way = np.array([is_paid_on_the_way(reward) for reward in task.rewards], np.bool_)
         terms = [*self._observations, *self._rewards]
         minded = (term.options.clearance_range for term in terms if isinstance(term.options, MindsClearance))
-        self._minded_clearance = max(minded, default=0.0)
-        self._minded_clearance = max(self._minded_clearance, task.near or 0.0)
+        self._minded_clearance = max((*minded, task.near or 0.0))
         self._remembering = [term for term in terms if isinstance(term.options, Remembers)]
         self.observation_terms, self.feature_mask = place_observations(self._observations, simulation)
         self.reward_names = tuple(term.name for term in self._rewards)

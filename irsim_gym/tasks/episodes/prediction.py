@@ -15,9 +15,10 @@ from irsim_gym.simulator.geometry.angles import TURN, nearly_arctan2
 from irsim_gym.simulator.step import outlines
 from irsim_gym.simulator.step.disturbances import copy_rows
 from irsim_gym.simulator.world.disturbed import Disturbed, whole_steps
-from irsim_gym.simulator.world.model import ACKERMANN, DIFFERENTIAL, OMNI_ANGULAR, OMNI_WORLD
+from irsim_gym.simulator.world.model import ACKERMANN, DIFFERENTIAL
 from irsim_gym.simulator.world.names import Floats, Ints, Model, Rays, Shard, State, Struct, kernel, row_of
 from irsim_gym.simulator.world.own_scan import OwnScan
+from irsim_gym.simulator.world.twist import body_twist
 from irsim_gym.tasks.definition.task import Task
 from irsim_gym.tasks.terms import EpisodeState, Simulation, Term
 from irsim_gym.tasks.terms.term import HasArrays
@@ -184,6 +185,9 @@ def roll_forward(
                 now[axis] = 0.0 if state.stopped[w, b] else state.velocity[w, b, axis]
                 way[axis] = 0.0
             cosine, sine = np.cos(pose[2]), np.sin(pose[2])
+            # As in the graph, a car whose command has a turn rate turns where it stands.
+            turns = model.drive[b] == ACKERMANN and not under_way.steers[a]
+            drive, wheelbase = DIFFERENTIAL if turns else model.drive[b], model.wheelbase[b]
             count = whole_steps(under_way.delay[w, a], dt)
             for k in range(count):
                 span = dt if k > 0 else under_way.delay[w, a] - (count - 1) * dt
@@ -192,7 +196,7 @@ def roll_forward(
                     # Before the first command, the drive stands still.
                     asked, change = sent[number % n_kept, axis] if number > 0 else 0.0, sharpest[b, axis] * span
                     now[axis] += min(max(asked - now[axis], -change), change)
-                ahead, left, rate = body_twist(now, cosine, sine, model, b, under_way.steers[a])
+                ahead, left, rate = body_twist(now, now[1], cosine, sine, drive, wheelbase)
                 middle = way[2] + 0.5 * span * rate
                 way[0] += (ahead * np.cos(middle) - left * np.sin(middle)) * span
                 way[1] += (ahead * np.sin(middle) + left * np.cos(middle)) * span
@@ -205,24 +209,6 @@ def roll_forward(
             seen.goal_distance[w, b] = np.sqrt(dx * dx + dy * dy)
             seen.twist[w, b, 0] = ahead * facing[0] - left * facing[1]
             seen.twist[w, b, 1] = ahead * facing[1] + left * facing[0]
-
-
-@kernel(inlined=True)
-def body_twist(
-    velocity: Floats, cosine: float, sine: float, model: Model, body: int, steers: int
-) -> tuple[float, float, float]:
-    """Return a velocity in drive coordinates in the body frame: ahead, to the left, and the turn rate.
-
-    Reads: model (drive, wheelbase).
-    """
-    first, second, drive = velocity[0], velocity[1], model.drive[body]
-    if drive == ACKERMANN and steers:
-        return first, 0.0, first * np.tan(second) / model.wheelbase[body]
-    if drive in (DIFFERENTIAL, ACKERMANN):
-        return first, 0.0, second
-    if drive == OMNI_WORLD:
-        return cosine * first + sine * second, cosine * second - sine * first, 0.0
-    return first, second, velocity[2] if drive == OMNI_ANGULAR else 0.0
 
 
 @kernel

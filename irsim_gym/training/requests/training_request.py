@@ -1,11 +1,9 @@
 """The arguments of ``irsim-gym train``, and the settings and the folder of the run that follow from them."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, Self
 
 from irsim_gym.base.errors import IrsimGymError
 from irsim_gym.base.families import ACTIONS
@@ -65,7 +63,7 @@ class TrainingRequest:
     changes: Mapping[str, object] | None = None
     until: float | None = None
 
-    def with_mixture(self, mixture: Mixture) -> TrainingRequest:
+    def with_mixture(self, mixture: Mixture) -> Self:
         """Return a request to train a mixture. What this one states replaces what the mixture's file states."""
         return replace(
             self,

@@ -1,12 +1,10 @@
 """Hyper-parameters: a YAML file for each algorithm, with defaults and an entry for each environment id."""
 
-from __future__ import annotations
-
 import dataclasses
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, Self
 
 from irsim_gym.base.errors import IrsimGymError, suggestion
 from irsim_gym.base.options import kind, option, option_fields
@@ -49,7 +47,7 @@ class Hyperparameters(RunKeys):
     arguments: Mapping[str, Any] = option({}, meaning="Arguments of the algorithm.")
 
     @classmethod
-    def from_plain(cls, data: Mapping[str, Any]) -> Hyperparameters:
+    def from_plain(cls, data: Mapping[str, Any]) -> Self:
         """Make hyper-parameters from a flat mapping, as in the YAML file.
 
         Raises:

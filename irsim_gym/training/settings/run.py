@@ -1,11 +1,9 @@
 """Training runs on disk: their settings and their files."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, Self
 
 from irsim_gym.base.errors import UnreadableFileError
 from irsim_gym.base.outside_files import checked, json_object, reading, remove
@@ -16,7 +14,7 @@ from irsim_gym.evaluation.requests.scenario_request import ScenarioRequest
 from irsim_gym.evaluation.saved_policies.run_folder import CONFIG_KIND, RunFolder, folder_of
 from irsim_gym.evaluation.saved_policies.snapshot import Snapshot, differences, read_snapshot, snapshot_of
 from irsim_gym.scenario.reading.load import load_scenario
-from irsim_gym.scenario.reading.parameters import PERTURBED
+from irsim_gym.scenario.reading.parameters import BESIDE
 from irsim_gym.scenario.specs.ids import scenario_name
 from irsim_gym.scenario.specs.spec import Scenario
 from irsim_gym.tasks import Task, load_task
@@ -58,7 +56,7 @@ class Settings:
     origin: Mapping[str, str] | None = None
     mixture: tuple[MixturePart, ...] = ()
 
-    def parts(self) -> tuple[Settings, ...]:
+    def parts(self) -> tuple[Self, ...]:
         """Return the settings for each scenario of a mixture; for a single scenario, these settings."""
         alone = replace(self, mixture=())
         return tuple(replace(alone, scenario=one.scenario, parameters=one.parameters) for one in self.mixture) or (
@@ -119,7 +117,7 @@ class Settings:
         }
 
     @classmethod
-    def from_plain(cls, data: dict[str, Any]) -> Settings:
+    def from_plain(cls, data: dict[str, Any]) -> Self:
         """Make settings from the data of ``to_plain``."""
         values = {name: data[name] for name in ("scenario", "algorithm", "seed", "task")}
         wanted = Hyperparameters.from_plain(data["hyperparameters"])
@@ -177,12 +175,12 @@ class Run(RunFolder):
         settings, copied = self.settings(), self.snapshot()
         if copied is None:
             return settings
-        own: dict[str, Any] = {"task": None, "parameters": _disturbances(settings.parameters), "mixture": ()}
+        own: dict[str, Any] = {"task": None, "parameters": _beside(settings.parameters), "mixture": ()}
         files = [self.copy / copied.file, *(folder / also.file for folder, also in self._also())]
         if settings.mixture:
             parts = zip(settings.mixture, files, strict=True)
             own["mixture"] = tuple(
-                MixturePart(str(file.resolve()), _disturbances(part.parameters), part.share) for part, file in parts
+                MixturePart(str(file.resolve()), _beside(part.parameters), part.share) for part, file in parts
             )
         return replace(settings, scenario=str(files[0].resolve()), **own)
 
@@ -214,9 +212,9 @@ class Run(RunFolder):
             remove(self.folder / name)
 
 
-def _disturbances(parameters: Mapping[str, object]) -> dict[str, object]:
+def _beside(parameters: Mapping[str, object]) -> dict[str, object]:
     """Return what a copy of a scenario, in which all parameters are filled in, still takes."""
-    return {name: value for name, value in parameters.items() if name == PERTURBED}
+    return {name: value for name, value in parameters.items() if name in BESIDE}
 
 
 def _values(parameters: Mapping[str, object]) -> str:

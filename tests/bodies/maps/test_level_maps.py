@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -11,6 +12,8 @@ from scipy import ndimage, sparse
 from scipy.sparse import csgraph
 
 import irsim_gym as ig
+from irsim_gym.bodies.maps.cells import RandomCells
+from irsim_gym.bodies.maps.level import LevelMap
 from irsim_gym.bodies.maps.rooms import choose_room
 from irsim_gym.errors import PlacementError, ScenarioError
 from irsim_gym.simulator.cell_paths.queries import free_path_length
@@ -76,6 +79,25 @@ def test_batches_threads_and_recorded_steps_are_single_worlds(kind: str) -> None
             n = batch["n_boxes"][2]
             here, there = here[:n], there[:n]
         np.testing.assert_array_equal(here, there, err_msg=name)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_each_thread_draws_in_memory_of_its_own(kind: str) -> None:
+    """The second slot draws what the first one drew from the same stream, and writes nothing of the first one's."""
+    sim = simulation(kind, 2, num_threads=2)
+    (group,) = sim.parts.maps
+    drawn = []
+    for slot, other in ((0, 1), (1, 0)):
+        sim.state.random[:] = 5
+        scratch = {name: getattr(group.tables, name) for name in ("occupied", "before", "line", "order")}
+        before = {name: array[other].copy() for name, array in scratch.items()}
+        LevelMap.draw(group, sim.model, sim.state, Shard(np.array([1]), slot))
+        drawn.append(occupied_cells(sim, 1).copy())
+        for name, array in scratch.items():
+            np.testing.assert_array_equal(array[other], before[name], err_msg=name)
+        assert np.array_equal(group.tables.occupied[slot], drawn[-1])
+    np.testing.assert_array_equal(*drawn)
+    assert (drawn[0] != occupied_cells(sim, 0)).any()
 
 
 @pytest.mark.parametrize("kind", KINDS)
@@ -195,12 +217,21 @@ def test_shelves_stand_in_the_middle_with_aisles_between_them() -> None:
             expected[i : i + 3, j] = True
     maps = drawn(40, (16, 12), **given, missing=[0, 0])
     assert (maps == expected).all()
+    tiny = {**given, "aisle": 0.2, "shelf": [3, 0.2]}  # one cell each, as it cannot be less
+    assert (drawn(2, (16, 12), **tiny, missing=[0, 0]) == expected).all()
     some = drawn(40, (16, 12), **given, missing=[0.5, 0.5])
     assert not (some & ~expected).any()
     assert abs(some[:, 2:13:4, 2:9:2].mean() - 0.5) < 4.0 * 0.5 / np.sqrt(40 * 12)
     turned = drawn(40, (14, 14), **{**given, "turn": True}, missing=[0, 0])
     assert {one.tobytes() for one in turned} == {turned[0].tobytes(), turned[0].T.tobytes()}
     assert (turned[0] != turned[0].T).any()
+
+
+@pytest.mark.parametrize("border", [True, False])
+def test_what_is_occupied_in_every_level_is_the_border_alone(border: bool) -> None:
+    """4 by 3 cells, of which two are inside."""
+    occupied = RandomCells(resolution=0.5, border=border).occupied(2.0, 1.5, "yard", Path)
+    assert occupied.tolist() == [[border] * 3, [border, False, border], [border, False, border], [border] * 3]
 
 
 def test_worlds_that_go_on_keep_their_maps_and_pictures() -> None:

@@ -122,6 +122,27 @@ def test_discs_from_a_file_replace_the_shape_of_an_obstacle(tmp_path: Path) -> N
     sim.reset(0)
     assert sim.sensors[0].arrays["ranges"][:, 0, 1] == pytest.approx([2.5, 4.9])
     assert sim.model.reach[:, 1] == pytest.approx([np.hypot(2, 9) + 0.3, np.hypot(5, 5) + 0.1])
+    assert sim.model.disc_count[:, 1].tolist() == [3, 1]
+    assert sim.model.segment_count[:, 1].tolist() == [0, 0]
+
+
+def test_all_goals_of_a_level_come_from_the_file_and_missing_ones_from_the_scenario(tmp_path: Path) -> None:
+    """Four goals of the first robot in each level; the second has its one goal from the file, then its own again."""
+    goals = np.full((2, 2, 4, 3), np.nan)
+    goals[0, 0], goals[1, 0] = [[1, k, 0] for k in (1, 2, 3, 4)], [[2, k, 0] for k in (6, 7, 8, 9)]
+    goals[0, 1, 0] = [7, 1, 0]
+    start = np.zeros((2, 2, 3))
+    start[:, 0, :2], start[:, 1, :2] = [5, 5], [5, 2]
+    np.savez(tmp_path / "goals.npz", bodies=["ann", "bob"], start=start, goal=goals)
+    robot = {"kinematics": {"name": "diff"}}
+    robots = [
+        {**robot, "name": "ann", "distribution": {"name": "random", "goals": 4}},
+        {**robot, "name": "bob", "state": [5, 2, 0], "goal": [8, 8, 0]},
+    ]
+    simulation = ig.compile(ig.load_scenario({"robot": robots, "levels": str(tmp_path / "goals.npz")}), 2)
+    simulation.reset(0)
+    assert simulation.model.waypoints[:, 0].tolist() == goals[:, 0].tolist()
+    assert simulation.model.waypoints[:, 1, 0].tolist() == [[7, 1, 0], [8, 8, 0]]
 
 
 @pytest.mark.parametrize(

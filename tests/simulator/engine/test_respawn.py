@@ -79,6 +79,62 @@ def test_the_level_begins_again_with_those_who_vanished_and_the_goals_that_it_ha
         assert not simulation.model.altered.any()
 
 
+def test_who_begins_anew_has_forgotten_its_goals_contacts_and_motion_and_nobody_else() -> None:
+    car = {
+        **DISC,
+        "kinematics": {"name": "acker", "wheelbase": 1},
+        "state": [2, 2, 0, 0.1],
+        "goal": [[4, 2, 0], [8, 2, 0]],
+    }
+    simulation = begun([car, {**car, "state": [2, 8, 0, 0.1]}])
+    state = simulation.state
+    for b in range(2):
+        state.steering[0, b], state.hit[0, b], state.plan[0, b], state.velocity[0, b] = 0.3, 5, [0.4, 0.5], [1, 2, 3]
+        state.arrived[0, b] = state.collided[0, b] = state.stopped[0, b] = True
+        state.waypoint[0, b], state.goal[0, b], state.twist[0, b] = 1, [8, 2, 0], [0.7, 0.8, 0.9]
+    respawn(simulation, [[True, False]])
+    assert state.steering[0].tolist() == [0.1, 0.3]
+    assert state.hit[0].tolist() == [-1, 5]
+    assert state.plan[0].tolist() == [[0, 0], [0.4, 0.5]]
+    assert state.velocity[0].tolist() == [[0, 0, 0], [1, 2, 3]]
+    for flags in (state.arrived, state.collided, state.stopped):
+        assert flags[0].tolist() == [False, True]
+    assert state.twist[0].tolist() == [[0, 0, 0], [0.7, 0.8, 0.9]]
+    assert state.waypoint[0].tolist() == [0, 1]
+    assert state.goal[0].tolist() == [[4, 2, 0], [8, 2, 0]]
+
+
+def test_starts_and_goals_without_a_way_between_them_are_drawn_again_from_the_same_distribution() -> None:
+    """On a line that a wall cuts into halves, every other draw has its start on one side and its goal on the other."""
+    wall = {"shape": {"name": "linestring", "vertices": [[5, -1], [5, 11]]}}
+    line = {"name": "random", "range_low": [1, 5, 0], "range_high": [9, 5, 0]}
+    scenario = load_scenario({"robot": [{**DISC, "distribution": line}], "obstacle": [wall]}, warn=False)
+    simulation = compile(scenario, n_worlds=6, agents=[0])
+    simulation.reset()
+    respawn(simulation, [[True]] * 6)
+    pose, goal = simulation.state.pose[:, 0], simulation.state.goal[:, 0]
+    assert pose[:, 1].tolist() == goal[:, 1].tolist() == [5.0] * 6
+    assert ((pose[:, 0] < 5) == (goal[:, 0] < 5)).all()
+    assert len(set((pose[:, 0] < 5).tolist())) == 2
+
+
+def test_only_goals_that_are_kept_need_a_way() -> None:
+    """All three stand behind the wall; one has no goal, one draws other goals, and one keeps a goal beyond it."""
+    wall = {"shape": {"name": "linestring", "vertices": [[5, -1], [5, 11]]}}
+    wandering = {"behavior": {"name": "dash", "wander": True}, "goal": [8, 5]}
+    robots = [
+        {**DISC, "state": [2, 2]},
+        {**DISC, "state": [2, 5], **wandering},
+        {**DISC, "state": [2, 8], "goal": [8, 8]},
+    ]
+    simulation = compile(load_scenario({"robot": robots, "obstacle": [wall]}, warn=False))
+    simulation.reset()
+    model, state = simulation.model, simulation.state
+    model.has_goal[0] = False
+    model.waypoints[0, 1, 0], model.waypoint_count[0, 1] = [8, 5, 0], 1
+    assert [engine_respawn._has_way(model, state, 0, b) for b in range(3)] == [True, True, False]
+
+
 def test_worlds_draw_nothing_for_bodies_that_begin_anew_in_others() -> None:
     ring = {**DISC, "number": 3, "distribution": {"name": "circle", "radius": 3, "turn": True}}
     robots = [ring, {**DISC, "state": [5, 5, 0]}]

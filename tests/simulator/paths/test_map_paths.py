@@ -56,6 +56,34 @@ def test_cells_that_are_no_squares_and_touch_a_disc_against_shapely() -> None:
             assert touched[i, j] == (gap <= 0.0)
 
 
+def touched_cells(scene: Scene, columns: int = 4, rows: int = 3) -> list[tuple[int, int]]:
+    """Return columns and rows of the cells of 1 m that something touches."""
+    touched = np.zeros((columns, rows), np.bool_)
+    mark_touched(scene.obstacles, 0.0, 0.0, 1.0, 1.0, touched)
+    return [(int(i), int(j)) for i, j in np.argwhere(touched)]
+
+
+def test_cells_that_a_slanted_wall_touches() -> None:
+    """It rises by 5 for each 9: y = 0.53 at x = 1, 1.08 at x = 2, and 1 at x = 1.85."""
+    crossed = [(0, 0), (1, 0), (1, 1), (2, 1)]
+    assert touched_cells(Scene().chain((0.5, 0.25), (2.75, 1.5))) == crossed
+    assert touched_cells(Scene().chain((0.25, 0.5), (1.5, 2.75))) == [(0, 0), (0, 1), (1, 1), (1, 2)]
+
+
+def test_cells_within_an_outline_are_touched_as_those_on_its_boundary() -> None:
+    """The cells 0 and 3 of each axis hold the box's sides, of which the centres 0.5 and 3.5 lie outside."""
+    inner = Scene().box(0.6, 0.6, 3.4, 3.4)
+    assert touched_cells(inner, 5, 5) == [(i, j) for i in range(4) for j in range(4)]
+
+
+def test_what_begins_before_the_grid_does_not_touch_its_other_end() -> None:
+    assert touched_cells(Scene().disc(0.0, 0.0, 0.5)) == [(0, 0)]
+    assert touched_cells(Scene().chain((-1.5, 1.5), (0.5, 1.5))) == [(0, 1)]
+    assert touched_cells(Scene().chain((1.5, -1.5), (1.5, 0.5))) == [(1, 0)]
+    assert touched_cells(Scene().disc(-2.0, 1.5, 0.5)) == []
+    assert touched_cells(Scene().disc(4.0, 3.0, 0.5)) == [(3, 2)]
+
+
 def test_a_map_wider_than_the_grid_blocks_what_lies_in_it() -> None:
     scene = Scene(2.0).map(np.ones((2, 2), np.bool_))
     scene.cells = scene.cells._replace(x=-5.0, y=-5.0, width=6.0, height=6.0)

@@ -51,7 +51,7 @@ def test_shared_axes_have_one_row_unless_asked_for() -> None:
 
 def test_arrays_that_belong_together_lie_in_memory_as_a_c_struct_does() -> None:
     """Groups are rows of one block; every group begins where its type may, right behind the one before."""
-    sizes = {"world": 3, "agent": 1, "action": 2, "ending": 1, "reward": 2, "feature": 5}
+    sizes = {"world": 3, "agent": 1, "action": 2, "ending": 1, "reward": 2, "feature": 5, "extra": 1}
     state = EpisodeState.allocate(sizes)
     layout, first = "@", getattr(state, EpisodeState.together[0][0])
     for names in EpisodeState.together:

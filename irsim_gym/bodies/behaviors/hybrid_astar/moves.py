@@ -4,10 +4,11 @@ import numpy as np
 
 from irsim_gym.base.arraytypes import Pose, Records
 from irsim_gym.base.kernels.structs import record_type
-from irsim_gym.bodies.behaviors.local_planners.rollouts import Twist, place_at
+from irsim_gym.bodies.behaviors.local_planners.rollouts import place_at
 from irsim_gym.bodies.behaviors.pursuit.commands import STEEPEST, axis_speed
 from irsim_gym.bodies.behaviors.pursuit.motion import Moving
 from irsim_gym.simulator.world.names import ACKERMANN, DIFFERENTIAL, OMNI_ANGULAR, OMNI_WORLD, kernel
+from irsim_gym.simulator.world.twist import Twist
 
 N_HEADINGS = 72
 """Number of headings that the search tells apart."""

@@ -20,6 +20,7 @@ from irsim_gym.bodies.behaviors.local_planners.way import off_way
 from irsim_gym.bodies.behaviors.shared.steering import clear_command
 from irsim_gym.simulator.world.names import ACKERMANN, DIFFERENTIAL, Floats, Ints, Model, State, Struct, kernel, row_of
 from irsim_gym.simulator.world.own_scan import OwnScan
+from irsim_gym.simulator.world.twist import Twist
 
 BOTH = 2
 """Value of ``turned`` for turns to both sides."""
@@ -205,7 +206,7 @@ def stop_time(speed: float, deceleration: float) -> float:
 
 
 @kernel
-def way_cost(task: LocalTask, options: Any, twist: rollouts.Twist, needed: float, tables: LocalTables) -> float:
+def way_cost(task: LocalTask, options: Any, twist: Twist, needed: float, tables: LocalTables) -> float:
     """Return what a way costs, infinite if it is not free as long as needed [s].
 
     Reads: tables (hits, poses, way).

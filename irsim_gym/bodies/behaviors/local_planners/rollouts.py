@@ -10,7 +10,8 @@ import numpy as np
 from irsim_gym.base.arraytypes import BodyOutline, Floats, Record
 from irsim_gym.base.kernels.structs import record_type
 from irsim_gym.simulator.geometry.overlap import is_round, point_outline_distance
-from irsim_gym.simulator.world.names import ACKERMANN, DIFFERENTIAL, OMNI_WORLD, Model, State, kernel, row_of
+from irsim_gym.simulator.world.names import OMNI_WORLD, Model, State, kernel, row_of
+from irsim_gym.simulator.world.twist import Twist, body_twist
 
 LANES = 16
 """Number of poses that are compared with a point at once."""
@@ -20,9 +21,6 @@ ROUNDING = 1e-9
 
 POSES = record_type("x y cosine sine near", LANES)
 """Poses [m], and the squared distance of each from the nearest point [m2]."""
-
-Twist = tuple[float, float, float]
-"""Velocity ahead and to the left [m/s], turn rate [rad/s]."""
 
 
 class Wheels(NamedTuple):
@@ -59,17 +57,8 @@ def twist_of(wheels: Wheels, first: float, second: float) -> Twist:
 
     An Ackermann drive is taken to steer at once, although its wheels follow one step later.
     """
-    if wheels.drive == DIFFERENTIAL:
-        return first, 0.0, second
-    if wheels.drive == ACKERMANN:
-        # A car that stands cannot turn.
-        if wheels.by_rate:
-            return first, 0.0, second if first != 0.0 else 0.0
-        # Kinematic bicycle model, with the body's origin on the rear axle.
-        return first, 0.0, first * np.tan(second) / wheels.wheelbase
-    if wheels.drive == OMNI_WORLD:
-        return wheels.cosine * first + wheels.sine * second, wheels.cosine * second - wheels.sine * first, 0.0
-    return first, second, 0.0
+    wheelbase = 0.0 if wheels.by_rate else wheels.wheelbase
+    return body_twist((first, second, 0.0), second, wheels.cosine, wheels.sine, wheels.drive, wheelbase)
 
 
 @kernel

@@ -53,17 +53,8 @@ class Rvo(RenewsGoals):
         sight = max(options.neighbor_threshold for options in group.options)
         n_sides, n_discs = model.local_segments.shape[1] + most_map_walls(model, sight), most_map_discs(model, sight)
         n_cones, n_samples = n_rounds + n_discs + n_sides, _most_samples(group.params)
-        group.tables = [
-            RvoTables(
-                seen=Surroundings.reserve(model, n_rounds, n_sides, n_discs),
-                cones=np.zeros(n_cones, velocity_obstacles.CONE),
-                spans=np.zeros(n_cones, SPAN),
-                rows=np.zeros(1, ROWS),
-                samples=np.zeros((2, n_samples)),
-                order=np.zeros((2, n_samples), np.int64),
-            )
-            for _ in range(n_slots)
-        ]
+        room = model, n_rounds, n_sides, n_discs
+        group.tables = [reserve_tables(Surroundings.reserve(*room), n_cones, n_samples) for _ in range(n_slots)]
 
     @staticmethod
     def decide(group: Group, model: Model, state: State, shard: Shard) -> None:
@@ -90,15 +81,20 @@ def free_velocity(options: Rvo, ego: Ego, wanted: Vector, rounds: Records, sides
     """
     none, params = np.zeros(0, np.int64), records([options])
     n_cones, n_samples = len(rounds) + len(sides), _most_samples(params)
-    tables = RvoTables(
-        seen=Surroundings(none, none, rounds, sides, np.zeros((0, 3))),
+    tables = reserve_tables(Surroundings(none, none, rounds, sides, np.zeros((0, 3))), n_cones, n_samples)
+    return choose_velocity(ego, wanted, np.inf, params[0], rounds, sides, tables)
+
+
+def reserve_tables(seen: Surroundings, n_cones: int, n_samples: int) -> RvoTables:
+    """Return scratch memory for bodies that see so much, with so many samples along each axis."""
+    return RvoTables(
+        seen=seen,
         cones=np.zeros(n_cones, velocity_obstacles.CONE),
         spans=np.zeros(n_cones, SPAN),
         rows=np.zeros(1, ROWS),
         samples=np.zeros((2, n_samples)),
         order=np.zeros((2, n_samples), np.int64),
     )
-    return choose_velocity(ego, wanted, np.inf, params[0], rounds, sides, tables)
 
 
 @kernel
