@@ -131,7 +131,6 @@ class ShieldForm(_Fixed):
     margin: float = Field(description="Distance that is kept, where the robot is not nearer yet [m].")
     latency: float = Field(description="Time from measuring until a new command acts [s].")
     lag: float = Field(description="Time constant with which the drive follows its commands [s].")
-    radius: float = Field(description="Of the disc around the robot's origin that it keeps free [m].")
 
 
 class Results(_Fixed):

@@ -38,12 +38,13 @@ class Driver:
         self.now = self.scan_time = self.pose_time = self.bodies_time = -np.inf
         self.good_scans, self.has_fault, self.scan_fault, self.note, self.frame, self.goal_frame = 0, False, *[""] * 4
         nothing: Any = None
-        self.ranges = self.pose = self.way = nothing
+        self.ranges = self.seen = self.pose = self.way = self.map = self.shield = nothing
         self.velocity, self.others = np.zeros((1, len(self.contract["robot"]["low"]))), np.zeros((1, 0, 5))
         self.states: dict[str, Any] = {}
-        beside: Any = lambda file, name: runpy.run_path(str(Path(contract).with_name(file)))[name](self.contract)  # noqa: E731
-        self.map = beside("perceive.py", "SeenMap") if self.contract["seen_map"] else nothing
-        self.shield = beside("shield.py", "Shield") if self.contract.get("shield") else nothing
+        if self.contract["seen_map"]:
+            self.map = runpy.run_path(str(Path(contract).with_name("perceive.py")))["SeenMap"](self.contract)
+        if self.contract.get("shield"):
+            self.shield = runpy.run_path(str(Path(contract).with_name("shield.py")))["Shield"](self.contract)
         self.forget()
 
     def forget(self, *kept: str) -> None:

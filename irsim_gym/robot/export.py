@@ -63,9 +63,10 @@ TOLERANCE = 1e-5
 PERIODS, LOST = 3.0, 0.3
 ANY = {"bodies": ("n_bodies", 5)}
 """Shapes of inputs of any length, without the axis of the batch."""
-SCRIPTS = {"drive.py": "", "scans.py": "", "perceive.py": "seen_map", "shield.py": "shield"}
-"""Files beside the graph, and the field of a contract that asks for each."""
-FILES = ("policy.onnx", "contract.json", "contract.schema.json", "check.npz", "README.md", *SCRIPTS)
+SCRIPTS = {"drive.py": "", "scans.py": "", "parts/perceive.py": "seen_map", "parts/shield.py": "shield"}
+"""Scripts that are copied beside the graph, and the field of a contract that asks for each."""
+FILES = ("policy.onnx", "contract.json", "contract.schema.json", "check.npz", "README.md")
+FILES += tuple(Path(place).name for place in SCRIPTS)
 
 
 @dataclass(frozen=True)
@@ -119,7 +120,9 @@ def export_for_robot(
             policy's by more than 1e-5; nothing is written then.
     """
     _check_target(folder, node, bodies)
-    loaded = _saved(source)
+    loaded = load_policy(source)
+    if not isinstance(loaded, SavedPolicy):
+        raise IrsimGymError(f"'{source}' is no trained policy: behaviors plan in the simulator, and cannot leave")
     is_own, asked = asked is None, asked or _trained_in(source, loaded)
     name, guard = policy_names([source])[0], _shield_form(asked, shield, predict, lag)
     played = _played(asked, loaded, min(levels, LEVELS))
@@ -135,25 +138,16 @@ def export_for_robot(
     if predict > 0.0:
         graph = policy_graph(network, played, name, predict=predict, period=period)
         ahead = ComparedPolicy(GraphPolicy(graph), graph)
-        results = results_of(DelayedPolicy(ahead, round(predict / own)), played, levels)
-        samples = ahead.samples
+        results, samples = results_of(DelayedPolicy(ahead, round(predict / own)), played, levels), ahead.samples
     elif discs is not played:
         results = results_of(GraphPolicy(graph), played, levels)
     elif is_own:
         results = _known_results(loaded) or results
-    made_of = {"scenario": scenario_hash(asked), "policy": policy_digest(source) or ""}
-    contents, hashes = _sealed(graph, samples, made_of)
+    contents, hashes = _sealed(graph, samples, scenario_hash(asked), policy_digest(source) or "")
     form = {"policy": name, "predict": predict, "results": results, **_form(played, graph, samples, period)}
     contract = RobotContract(hashes=hashes, scenario=_scenario_form(asked), shield=guard, **form)
     _write(folder, contract, contents, played, node)
     return RobotExport(contract, compared.n_commands, compared.most, graph.n_nodes, folder)
-
-
-def _saved(source: str) -> SavedPolicy:
-    loaded = load_policy(source)
-    if not isinstance(loaded, SavedPolicy):
-        raise IrsimGymError(f"'{source}' is no trained policy: behaviors plan in the simulator, and cannot leave")
-    return loaded
 
 
 def _check_target(folder: Path, node: str | None, bodies: str | None) -> None:
@@ -203,16 +197,15 @@ def _shield_form(asked: ScenarioRequest, text: str | None, latency: float, lag: 
     """
     shielded = {SHIELDED: text} if text else {}
     played = replace(asked, parameters={**(asked.parameters or {}), **shielded}).episodes(1)
-    options, model, b = played.task.shield, played.simulation.model, played.task.agents[0]
+    options, b = played.task.shield, played.task.agents[0]
     if options is None:
         return None
     name, body = SHIELDS.name_of(type(options)), played.simulation.scenario.bodies[b]
     drive, shape = KINEMATICS.name_of(type(body.kinematics)), FOOTPRINTS.name_of(type(body.shape))
-    if name != "stop_in_time" or drive not in AXES or not is_disc(model)[b]:
+    if name != "stop_in_time" or drive not in AXES or not is_disc(played.simulation.model)[b]:
         known = f"stop_in_time, for discs with the drive {', '.join(AXES)}"
         raise IrsimGymError(f"--shield: drivers know {known}; this is {name} for a {shape} with the drive {drive}")
-    radius = float(model.reach[0, b])
-    return ShieldForm(name="stop_in_time", margin=options.margin, latency=latency, lag=lag, radius=radius)
+    return ShieldForm(name="stop_in_time", margin=options.margin, latency=latency, lag=lag)
 
 
 def _trained_in(source: str, policy: SavedPolicy) -> ScenarioRequest:
@@ -337,27 +330,18 @@ def _scenario_form(asked: ScenarioRequest) -> ScenarioForm:
     return ScenarioForm(name=asked.scenario, task=asked.task, team=asked.team, parameters=dict(asked.parameters or {}))
 
 
-def _sha256(content: bytes) -> str:
-    return hashlib.sha256(content).hexdigest()
-
-
 def _sealed(
-    graph: PolicyGraph, samples: Mapping[str, NDArray[Any]], made_of: Mapping[str, str]
+    graph: PolicyGraph, samples: Mapping[str, NDArray[Any]], scenario: str, policy: str
 ) -> tuple[dict[str, bytes], Hashes]:
-    """Return policy.onnx and check.npz, and what says that they belong together."""
-    model, check = _marked(graph.content, made_of), io.BytesIO()
-    np.savez_compressed(check, **dict[str, Any](samples))
-    hashes = Hashes(**made_of, onnx=_sha256(model), check=_sha256(check.getvalue()))
-    return {"policy.onnx": model, "check.npz": check.getvalue()}, hashes
-
-
-def _marked(content: bytes, made_of: Mapping[str, str]) -> bytes:
-    """Return a graph that holds the hashes of what it was made of."""
+    """Return policy.onnx, which holds the hashes of what it was made of, check.npz, and the hashes of all."""
     from onnx import helper, load_from_string
 
-    model = load_from_string(content)
-    helper.set_model_props(model, dict(made_of))
-    return bytes(model.SerializeToString())
+    model, check = load_from_string(graph.content), io.BytesIO()
+    helper.set_model_props(model, {"scenario": scenario, "policy": policy})
+    np.savez_compressed(check, **dict[str, Any](samples))
+    contents = {"policy.onnx": bytes(model.SerializeToString()), "check.npz": check.getvalue()}
+    onnx, npz = (hashlib.sha256(content).hexdigest() for content in contents.values())
+    return contents, Hashes(scenario=scenario, policy=policy, onnx=onnx, check=npz)
 
 
 def _write(
@@ -365,9 +349,9 @@ def _write(
 ) -> None:
     for name, content in contents.items():
         write_bytes(folder / name, content)
-    for name in [name for name, field in SCRIPTS.items() if not field or getattr(contract, field)]:
-        script = Path(__file__).parent / ("parts" if SCRIPTS[name] else "") / name
-        write_bytes(folder / name, script.read_bytes())
+    for place, field in SCRIPTS.items():
+        if not field or getattr(contract, field):
+            write_bytes(folder / Path(place).name, (Path(__file__).parent / place).read_bytes())
     write_text(folder / "contract.json", contract.model_dump_json(indent=2) + "\n")
     write_json(folder / "contract.schema.json", contract_schema())
     write_text(folder / "README.md", model_card(contract, played.simulation.scenario.label))

@@ -38,7 +38,7 @@ def driver_of(contract: Path, pilot: Any = None, **form: float) -> Driver:
     """Return a driver with a goal, for a robot of other times, whose network may be another ``pilot``."""
     driver = Driver(contract)
     if driver.shield:
-        driver.shield.form = {**driver.shield.form, **form}
+        driver.shield.form.update(form)
     driver.goal(messages.goal(8.0, 1.0))
     if pilot:
         run = lambda names, given: [np.array([pilot()]), *(given[name[:-5]] for name in names[1:])]  # noqa: E731
@@ -91,7 +91,7 @@ def test_lost_beams_hide_no_wall(shielded: Path) -> None:
 
 def test_the_contract_says_it_and_the_predictor_learns_of_slower_commands(tmp_path: Path) -> None:
     made = export_for_robot("cluttered_room", tmp_path / "robot", levels=1, predict=0.2, shield="stop_in_time", lag=0.1)
-    expected = {"name": "stop_in_time", "margin": 0.0, "latency": 0.2, "lag": 0.1, "radius": 0.2}
+    expected = {"name": "stop_in_time", "margin": 0.0, "latency": 0.2, "lag": 0.1}
     assert made.contract.shield is not None
     assert made.contract.shield.model_dump() == expected
     assert read_export(made.folder)[0] == made.contract
