@@ -8,6 +8,7 @@ from irsim_gym.tasks.terms.term import NEEDS
 
 WIDTH = 120
 PERCEIVE = "| `perceive.py` | `SeenMap`, which the driver keeps: a map of the scans, and the way on it; NumPy alone |\n"
+SHIELD = "| `shield.py` | `Shield`, for the driver: slows a robot until it can stop before what its scan shows |\n"
 CARD = Path(__file__).with_suffix(".md")
 """The text of a card, with the names of what is filled in."""
 MAP_CHECK = Path(__file__).with_name("map_check.py.txt")
@@ -47,7 +48,7 @@ def model_card(contract: RobotContract, scenario: str) -> str:
             "`seen_map.origin` in contract.json so that the robot and its goals lie on it."
         )
     return CARD.read_text(encoding="utf-8").format(
-        perceive=PERCEIVE if grid else "",
+        parts=(PERCEIVE if grid else "") + (SHIELD if contract.shield else ""),
         seen="\n" + MAP_CHECK.read_text(encoding="utf-8") if grid else "",
         name=contract.policy,
         scenario=scenario,
