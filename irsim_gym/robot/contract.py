@@ -168,11 +168,6 @@ class RobotContract(_Fixed):
     shield: ShieldForm | None = Field(None, description="None for drivers without one.")
 
 
-def contract_schema() -> dict[str, Any]:
-    """Return the JSON Schema of contract.json."""
-    return RobotContract.model_json_schema()
-
-
 def read_export(folder: Path) -> tuple[RobotContract, bytes]:
     """Return the contract of an export, and the content of its policy.onnx.
 

@@ -57,7 +57,10 @@ class Driver:
 
     def scan(self, msg: Any) -> None:
         """Take a sensor_msgs/LaserScan: its beams are found by their angles, and the shortest of a share counts."""
-        (ranges, lost), step, size = SCANS["cleaned"](msg, self.no_return), float(msg.angle_increment), len(msg.ranges)
+        ranges, step, size = np.array(msg.ranges, float), float(msg.angle_increment), len(msg.ranges)
+        ranges[(ranges == 0.0) & (self.no_return == "zero")] = np.inf
+        lost = SCANS["lost_beams"](msg, self.no_return)
+        ranges[lost | (ranges > msg.range_max)], ranges[ranges == -np.inf] = np.inf, 0.0
         self.ranges = SCANS["as_beams"](ranges[None], (msg.angle_min, step), self.mount, self.own)
         found = {"beams": size, "range_max": msg.range_max, "field_of_view": abs(step) * max(size - 1, 0)}
         found["x"], found["y"], found["turn"] = self.mount

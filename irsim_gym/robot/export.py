@@ -40,7 +40,6 @@ from irsim_gym.robot.contract import (
     StateForm,
     Stops,
     TensorForm,
-    contract_schema,
 )
 from irsim_gym.robot.graph_policy import ComparedPolicy, DelayedPolicy, GraphPolicy
 from irsim_gym.robot.inputs import among_discs, is_disc, limits_of, scanner_form, seen_map_form, seers, sees_moving_only
@@ -203,7 +202,7 @@ def _shield_form(asked: ScenarioRequest, text: str | None, latency: float, lag: 
     name, body = SHIELDS.name_of(type(options)), played.simulation.scenario.bodies[b]
     drive, shape = KINEMATICS.name_of(type(body.kinematics)), FOOTPRINTS.name_of(type(body.shape))
     if name != "stop_in_time" or drive not in AXES or not is_disc(played.simulation.model)[b]:
-        known = f"stop_in_time, for discs with the drive {', '.join(AXES)}"
+        known = f"stop_in_time for discs with the drive {', '.join(AXES)}"
         raise IrsimGymError(f"--shield: drivers know {known}; this is {name} for a {shape} with the drive {drive}")
     return ShieldForm(name="stop_in_time", margin=options.margin, latency=latency, lag=lag)
 
@@ -353,7 +352,7 @@ def _write(
         if not field or getattr(contract, field):
             write_bytes(folder / Path(place).name, (Path(__file__).parent / place).read_bytes())
     write_text(folder / "contract.json", contract.model_dump_json(indent=2) + "\n")
-    write_json(folder / "contract.schema.json", contract_schema())
+    write_json(folder / "contract.schema.json", RobotContract.model_json_schema())
     write_text(folder / "README.md", model_card(contract, played.simulation.scenario.label))
     for place, text in package_files(contract, node).items() if node else ():
         write_text(folder / place, text)

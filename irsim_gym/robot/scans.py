@@ -62,14 +62,6 @@ def lost_beams(msg: Any, no_return: str) -> Any:
     return lost & (ranges != 0.0) if no_return == "zero" else lost
 
 
-def cleaned(msg: Any, no_return: str) -> tuple[Any, Any]:
-    """Return the ranges of a sensor_msgs/LaserScan, inf for no return and 0 for too near, and which beams are lost."""
-    ranges, lost = np.array(msg.ranges, float), lost_beams(msg, no_return)
-    ranges[(ranges == 0.0) & (no_return == "zero") | lost | (ranges > msg.range_max)] = np.inf
-    ranges[ranges == -np.inf] = 0.0
-    return ranges, lost
-
-
 def seconds(stamp: Any) -> float:
     """Return a stamp of ROS 1 or ROS 2, or a number, in seconds."""
     is_ros_1 = hasattr(stamp, "to_sec")

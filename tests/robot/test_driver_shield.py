@@ -137,7 +137,7 @@ def test_the_contract_says_it_and_the_predictor_learns_of_slower_commands(tmp_pa
     ("policy", "shield", "said"),
     [
         ("cluttered_room", "stop_in_tim", "no shield named 'stop_in_tim' (did you mean 'stop_in_time'?)"),
-        ("cluttered_room", "velocity_obstacle", "drivers know stop_in_time, for discs with the drive diff, omni"),
+        ("cluttered_room", "velocity_obstacle", "drivers know stop_in_time for discs with the drive diff, omni"),
         ("parking", "stop_in_time", "this is stop_in_time for a rectangle with the drive acker"),
     ],
 )

@@ -13,8 +13,8 @@ from typing import Any
 
 import numpy as np
 
-TOLERANCE, FLAT, ROUNDING = 5e-4, 3e-4, 1e-9
-"""As in the simulator: added to the margin [m], of one surface (share of an inverse range), rounding errors."""
+TOLERANCE, FLAT, ROUNDING, ANGLE = 5e-4, 3e-4, 1e-9, 1e-6
+"""Added to the margin [m], of one surface (share of an inverse range), rounding errors of distances and of angles."""
 HALVINGS, SPACING, REST = 7, 0.02, 2e-5
 """Of the speed; farthest places on a way [m]; who goes no farther in a period stands [m]."""
 LONGEST, SENT = 10_000, 100
@@ -41,9 +41,8 @@ class Shield:
         step, twist, share, turns = msg.angle_increment, command @ self.whole, 1.0, 1.0
         if abs(2.0 * np.pi - abs(step) * len(ranges)) < 0.5 * abs(step):  # the first beam comes behind the last
             ranges, lost = np.resize(ranges, len(ranges) + 1), np.resize(lost, len(ranges) + 1)
-        half = 0.5 * (len(ranges) - 1) * step
-        off = np.arctan2(twist[1], twist[0]) - driver.mount[2] - msg.angle_min - half
-        looks = abs(np.remainder(off + np.pi, 2.0 * np.pi) - np.pi) <= abs(half) + ROUNDING or not twist[:2].any()
+        off = np.sign(step) * (np.arctan2(twist[1], twist[0]) - driver.mount[2] - msg.angle_min) + ANGLE
+        looks = np.remainder(off, 2.0 * np.pi) <= abs(step) * (len(ranges) - 1) + 2.0 * ANGLE or not twist[:2].any()
         self.walls = walls_of(msg, ranges, lost, driver.mount, self.robot["radius"])
         self.gaps = distances(np.zeros(1), self.walls)[0] - self.robot["radius"]
         self.velocity = np.nan_to_num(velocity[0], posinf=0.0, neginf=0.0) @ self.whole
