@@ -7,6 +7,7 @@ from typing import Any, Literal
 from pydantic import BaseModel, ConfigDict, Field
 
 from irsim_gym.base.outside_files import json_object, reading
+from irsim_gym.evaluation.saved_policies.cards import CardCurve
 from irsim_gym.tasks.terms.term import Needs
 
 FORMAT = 1
@@ -156,6 +157,9 @@ class RobotContract(_Fixed):
     outputs: dict[str, tuple[str, ...]]
     stop: Stops
     results: Results
+    robustness: dict[str, CardCurve] = Field(
+        default={}, description="Strengths of disturbances by factor of `irsim-gym robustness`, without `predict`."
+    )
 
 
 def contract_schema() -> dict[str, Any]:

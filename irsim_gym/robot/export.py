@@ -19,6 +19,7 @@ from irsim_gym.evaluation.policies.policy import Policy
 from irsim_gym.evaluation.protocol.protocol import drive
 from irsim_gym.evaluation.protocol.tables import write_bytes, write_json, write_text
 from irsim_gym.evaluation.requests.scenario_request import ScenarioRequest
+from irsim_gym.evaluation.saved_policies.cards import CardCurve
 from irsim_gym.evaluation.saved_policies.policies import (
     SavedPolicy,
     load_policy,
@@ -126,7 +127,7 @@ def export_for_robot(
     results = results_of(compared, discs, levels)
     _check_difference(compared, name)
     own = float(played.simulation.model.step_time[0])
-    period, samples = period or own, compared.samples
+    period, samples, form = period or own, compared.samples, dict[str, Any]()
     if predict > 0.0:
         graph = policy_graph(network, played, name, predict=predict, period=period)
         ahead = ComparedPolicy(GraphPolicy(graph), graph)
@@ -136,11 +137,12 @@ def export_for_robot(
         results = results_of(GraphPolicy(graph), played, levels)
     elif is_own:
         results = _known_results(loaded) or results
+        form["robustness"] = _known_curves(loaded)
     made_of = {"scenario": scenario_hash(asked), "policy": policy_digest(source) or ""}
     model, check = _marked(graph.content, made_of), io.BytesIO()
     np.savez_compressed(check, **dict[str, Any](samples))
     hashes = Hashes(**made_of, onnx=_sha256(model), check=_sha256(check.getvalue()))
-    form = {"policy": name, "predict": predict, "results": results, **_form(played, graph, samples, period)}
+    form |= {"policy": name, "predict": predict, "results": results, **_form(played, graph, samples, period)}
     contract = RobotContract(hashes=hashes, scenario=_scenario_form(asked), **form)
     _write(folder, contract, {"policy.onnx": model, "check.npz": check.getvalue()}, played, node)
     return RobotExport(contract, compared.n_commands, compared.most, graph.n_nodes, folder)
@@ -210,6 +212,13 @@ def _known_results(policy: SavedPolicy) -> Results | None:
         return None
     share = own[0].success
     return Results(success=share.value, low=share.low, high=share.high, levels=own[0].levels, split=own[0].split)
+
+
+def _known_curves(policy: SavedPolicy) -> dict[str, CardCurve]:
+    """Return the curves in the card of a policy that hold for its graph, which has no prediction of its own."""
+    card = policy.model.card if isinstance(policy.model, ShelfPolicy) else None
+    late = ("latency", "all") if policy.perception is not None and policy.perception.predict else ()
+    return {} if card is None else {name: curve for name, curve in card.robustness.items() if name not in late}
 
 
 def _network(policy: SavedPolicy) -> ShelfPolicy:
@@ -326,7 +335,7 @@ def _write(
         write_bytes(folder / name, content)
     for name in SCRIPTS if contract.seen_map else SCRIPTS[:2]:
         write_bytes(folder / name, Path(__file__).with_name(name).read_bytes())
-    write_text(folder / "contract.json", contract.model_dump_json(indent=2) + "\n")
+    write_text(folder / "contract.json", contract.model_dump_json(indent=2, by_alias=True) + "\n")
     write_json(folder / "contract.schema.json", contract_schema())
     write_text(folder / "README.md", model_card(contract, played.simulation.scenario.label))
     for place, text in package_files(contract, node).items() if node else ():

@@ -93,7 +93,7 @@ def fit(folder: Path, variants: Sequence[Variant], levels: int = LEVELS) -> list
         one = _played(contract, graph, asked, replace(variant, values={**own, **variant.values}), levels)
         least = played[0].share - MOST_LOST if played else 0.0
         played.append(replace(one, fits=one.share >= least - 1e-9))
-    write_text(folder / "contract.json", widened(contract, played).model_dump_json(indent=2) + "\n")
+    write_text(folder / "contract.json", widened(contract, played).model_dump_json(indent=2, by_alias=True) + "\n")
     return played
 
 

@@ -7,7 +7,14 @@ from rich.text import Text
 
 from irsim_gym.base.errors import IrsimGymError
 from irsim_gym.evaluation.protocol.tables import legend, print_table, titled_table
-from irsim_gym.evaluation.saved_policies.cards import CardResult, CardShare, PolicyCard, card_file, read_card
+from irsim_gym.evaluation.saved_policies.cards import (
+    CardResult,
+    CardShare,
+    PolicyCard,
+    card_file,
+    curves_text,
+    read_card,
+)
 from irsim_gym.evaluation.saved_policies.shelf import SUFFIX, shelf_file, shelf_files, shelf_folder
 from irsim_gym.scenario.text.messages import with_parameters
 
@@ -39,7 +46,7 @@ def print_card(policy: str, *, as_json: bool = False) -> None:
     """
     file = Path(policy) if Path(policy).suffix == SUFFIX else shelf_file(policy)
     card = _card(file)
-    print(card.model_dump_json(indent=2) if as_json else "\n".join([*_lines(card), f"file: {file}"]))
+    print(card.model_dump_json(indent=2, by_alias=True) if as_json else "\n".join([*_lines(card), f"file: {file}"]))
 
 
 def percent(share: CardShare) -> str:
@@ -72,6 +79,7 @@ def _lines(card: PolicyCard) -> list[str]:
         f"training: {training.steps:,} steps, {training.cpu_seconds:.0f} s of CPU time, "
         f"{training.training_seconds:.0f} s on a clock; {machine['processor']}, {_versions(machine['versions'])}",
         *(f"success: {_told(result)}" for result in card.results),
+        *([f"5 points of success are lost at: {curves_text(card.robustness)}"] if card.robustness else []),
         *(f"weakness: {sentence}" for sentence in card.weaknesses),
     ]
 
