@@ -152,10 +152,7 @@ def mistakes_of(file: Path) -> list[str]:
         ("benchmarks: {maze: {asks: x}}\ntiers: {core: [[maze]]}\n", "tiers.core[0]: no benchmark"),
         ("- 1\n", "benchmarks: must be a mapping, got nothing"),
         ("", "the file is empty"),
-        (
-            "benchmarks: {maze: {disturbed: [all]}}\ntiers: {}\n",
-            "disturbed: must be a factor of `irsim-gym rob",
-        ),
+        ("benchmarks: {maze: {disturbed: [all]}}\ntiers: {}\n", "disturbed: must be a factor of `irsim-gym rob"),
         ("benchmarks: {maze: {disturbed: al}}\ntiers: {}\n", "got 'al'"),
         ("benchmarks: {maze: {parameters: [1]}}\ntiers: {}\n", "parameters: must be a mapping of values by name"),
     ],
