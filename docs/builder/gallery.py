@@ -12,8 +12,8 @@ from builder import tables
 from builder.records import cards_in, references
 from irsim_gym.envs.described.description import Description
 from irsim_gym.errors import IrsimGymError
-from irsim_gym.evaluation.saved_policies.cards import PolicyCard, curves_text
-from irsim_gym.evaluation.saved_policies.shelf_tables import percent
+from irsim_gym.evaluation.saved_policies.cards import PolicyCard
+from irsim_gym.evaluation.saved_policies.shelf_tables import curves_text, percent
 from irsim_gym.evaluation.suite import suite_tables
 from irsim_gym.evaluation.suite.members import shipped_suite
 from irsim_gym.scenario.reading.load import load_scenario

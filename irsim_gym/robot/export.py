@@ -19,7 +19,6 @@ from irsim_gym.evaluation.policies.policy import Policy
 from irsim_gym.evaluation.protocol.protocol import drive
 from irsim_gym.evaluation.protocol.tables import write_bytes, write_json, write_text
 from irsim_gym.evaluation.requests.scenario_request import ScenarioRequest
-from irsim_gym.evaluation.saved_policies.cards import CardCurve
 from irsim_gym.evaluation.saved_policies.policies import (
     SavedPolicy,
     load_policy,
@@ -127,7 +126,7 @@ def export_for_robot(
     results = results_of(compared, discs, levels)
     _check_difference(compared, name)
     own = float(played.simulation.model.step_time[0])
-    period, samples, form = period or own, compared.samples, dict[str, Any]()
+    period, samples = period or own, compared.samples
     if predict > 0.0:
         graph = policy_graph(network, played, name, predict=predict, period=period)
         ahead = ComparedPolicy(GraphPolicy(graph), graph)
@@ -135,14 +134,13 @@ def export_for_robot(
         samples = ahead.samples
     elif discs is not played:
         results = results_of(GraphPolicy(graph), played, levels)
-    elif is_own:
-        results = _known_results(loaded) or results
-        form["robustness"] = _known_curves(loaded)
     made_of = {"scenario": scenario_hash(asked), "policy": policy_digest(source) or ""}
     model, check = _marked(graph.content, made_of), io.BytesIO()
     np.savez_compressed(check, **dict[str, Any](samples))
     hashes = Hashes(**made_of, onnx=_sha256(model), check=_sha256(check.getvalue()))
-    form |= {"policy": name, "predict": predict, "results": results, **_form(played, graph, samples, period)}
+    form = {"policy": name, "predict": predict, "results": results, **_form(played, graph, samples, period)}
+    if is_own and discs is played and predict == 0.0:
+        form |= _known_form(loaded)
     contract = RobotContract(hashes=hashes, scenario=_scenario_form(asked), **form)
     _write(folder, contract, {"policy.onnx": model, "check.npz": check.getvalue()}, played, node)
     return RobotExport(contract, compared.n_commands, compared.most, graph.n_nodes, folder)
@@ -202,23 +200,18 @@ def _trained_in(source: str, policy: SavedPolicy) -> ScenarioRequest:
     raise IrsimGymError(f"the scenario of the training of {source} is not known: name it with --scenario")
 
 
-def _known_results(policy: SavedPolicy) -> Results | None:
-    """Return the results that the card of a policy has of its own scenario."""
+def _known_form(policy: SavedPolicy) -> dict[str, Any]:
+    """Return what a contract takes from a card: results in the own scenario, and the curves that hold for the graph."""
     card = policy.model.card if isinstance(policy.model, ShelfPolicy) else None
-    if card is None:
-        return None
+    if card is None or policy.perception is None:
+        return {}
+    late = ("latency", "all") if policy.perception.predict else ()  # the graph predicts by --predict alone
+    known: dict[str, Any] = {"robustness": {name: one for name, one in card.robustness.items() if name not in late}}
     own = [one for one in card.results if one.scenario is None and one.parameters == card.scenario.parameters]
-    if not own:
-        return None
-    share = own[0].success
-    return Results(success=share.value, low=share.low, high=share.high, levels=own[0].levels, split=own[0].split)
-
-
-def _known_curves(policy: SavedPolicy) -> dict[str, CardCurve]:
-    """Return the curves in the card of a policy that hold for its graph, which has no prediction of its own."""
-    card = policy.model.card if isinstance(policy.model, ShelfPolicy) else None
-    late = ("latency", "all") if policy.perception is not None and policy.perception.predict else ()
-    return {} if card is None else {name: curve for name, curve in card.robustness.items() if name not in late}
+    if own:
+        of, share = {"levels": own[0].levels, "split": own[0].split}, own[0].success
+        known["results"] = Results(success=share.value, low=share.low, high=share.high, **of)
+    return known
 
 
 def _network(policy: SavedPolicy) -> ShelfPolicy:

@@ -3,7 +3,7 @@
 from pathlib import Path
 from textwrap import fill
 
-from irsim_gym.evaluation.saved_policies.cards import curves_text
+from irsim_gym.evaluation.saved_policies.shelf_tables import curves_text
 from irsim_gym.robot.contract import RobotContract
 from irsim_gym.tasks.terms.term import NEEDS
 

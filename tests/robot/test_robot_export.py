@@ -15,9 +15,9 @@ from irsim_gym.base.errors import IrsimGymError
 from irsim_gym.evaluation.policies.perception import Perceived
 from irsim_gym.evaluation.protocol.protocol import evaluate
 from irsim_gym.evaluation.requests.scenario_request import ScenarioRequest
-from irsim_gym.evaluation.saved_policies.cards import curves_text
 from irsim_gym.evaluation.saved_policies.policies import SavedPolicy
 from irsim_gym.evaluation.saved_policies.shelf import read_policy, shelf_file
+from irsim_gym.evaluation.saved_policies.shelf_tables import curves_text
 from irsim_gym.robot import export
 from irsim_gym.robot.contract import RobotContract
 from irsim_gym.robot.export import FILES, RobotExport, export_for_robot

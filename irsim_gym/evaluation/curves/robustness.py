@@ -256,16 +256,6 @@ def _hashes(sources: Sources) -> Iterator[tuple[str, str]]:
             yield f"policy {name}", known
 
 
-def read_robustness(file: Path) -> Robustness:
-    """Return the content of ``robustness.json``.
-
-    Raises:
-        UnreadableFileError: If it is no such record.
-    """
-    with reading(file, "record of robustness"):
-        return TypeAdapter(Robustness).validate_python(json_object(file))
-
-
 def _begun(played: dict[str, Any], folder: Path | None, overwrite: bool) -> Robustness:
     """Return the record in a folder, or an empty one.
 
@@ -274,7 +264,8 @@ def _begun(played: dict[str, Any], folder: Path | None, overwrite: bool) -> Robu
     """
     if overwrite or folder is None or not (folder / RECORD).exists():
         return Robustness(played)
-    before = read_robustness(folder / RECORD)
+    with reading(folder / RECORD, "record of robustness"):
+        before = TypeAdapter(Robustness).validate_python(json_object(folder / RECORD))
     pairs = {key: (before.played.get(key, now), now) for key, now in played.items()}
     changed = [f"{key} {old}, now {now}" for key, (old, now) in pairs.items() if old != now]
     if changed:

@@ -212,11 +212,6 @@ class PolicyCard(_Fixed):
     robustness: dict[str, CardCurve] = {}
 
 
-def curves_text(curves: Mapping[str, CardCurve]) -> str:
-    """Return at which strength of each disturbance 5 points are lost: ``latency 0.2 s, slip > 20 %``."""
-    return ", ".join(f"{factor} {curve}" for factor, curve in curves.items())
-
-
 def card_file(policy: Path) -> Path:
     """Return the path of the card of a policy file, in the same folder."""
     return policy.with_suffix(".json")

@@ -7,14 +7,7 @@ from rich.text import Text
 
 from irsim_gym.base.errors import IrsimGymError
 from irsim_gym.evaluation.protocol.tables import legend, print_table, titled_table
-from irsim_gym.evaluation.saved_policies.cards import (
-    CardResult,
-    CardShare,
-    PolicyCard,
-    card_file,
-    curves_text,
-    read_card,
-)
+from irsim_gym.evaluation.saved_policies.cards import CardResult, CardShare, PolicyCard, card_file, read_card
 from irsim_gym.evaluation.saved_policies.shelf import SUFFIX, shelf_file, shelf_files, shelf_folder
 from irsim_gym.scenario.text.messages import with_parameters
 
@@ -52,6 +45,11 @@ def print_card(policy: str, *, as_json: bool = False) -> None:
 def percent(share: CardShare) -> str:
     """Return a share with its interval, in percent."""
     return f"{100 * share.value:.1f} [{100 * share.low:.1f}, {100 * share.high:.1f}]"
+
+
+def curves_text(curves: Mapping[str, object]) -> str:
+    """Return at which strength of each disturbance 5 points are lost: ``latency 0.2 s, slip > 20 %``."""
+    return ", ".join(f"{factor} {curve}" for factor, curve in curves.items())
 
 
 def _card(file: Path) -> PolicyCard:
