@@ -27,9 +27,10 @@ drives straight at its goal. Behaviours know the state of the world (`pursuit:kn
 they have scanned), and learn nothing. A dash: not played, or the policy cannot drive these robots;
 where it was tried, a note of the benchmark says why it cannot.
 """
-ROBOT = """Behaviours know their true pose here, too, and are disturbed by latency, lag and slip alone; those that scan also by
-bad scans. Shipped policies observe as in their training: `cluttered_room_robot` is told the latency and predicts.
-"""
+ROBOT = (
+    "Behaviours know their true pose here, too; what they scan is as bad as what policies scan. Shipped policies "
+    "observe as in their training: `cluttered_room_robot` is told the latency and predicts.\n"
+)
 
 
 def main(folder: Path | None = None) -> None:
