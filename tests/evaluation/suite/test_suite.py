@@ -294,6 +294,9 @@ def test_the_command_line(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsy
         return status, said.out + said.err
 
     assert "irsim_gym/bug_trap-v0" in suite("list", "core", "bug_trap")[1]
+    assert "irsim_gym/maze-v0, disturbed by the factor all of robustness" in suite("list", "robot")[1]
+    late = suite("run", "cluttered_room", "cluttered_room", "--levels", 2, "--latency", "--out", tmp_path / "late")[1]
+    assert " latency at -5 [s] |" in late
     folder = tmp_path / "run"
     assert "| dash |" in suite("run", "bug_trap", "dash", "--levels", 2, "--out", folder)[1]
     assert "| dash |" in suite("table", folder)[1]
