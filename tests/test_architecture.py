@@ -68,8 +68,8 @@ FOREIGN = {
 ONLY_FILES = {
     "pettingzoo": "envs/teams/parallel",
     "stable_baselines3": "envs/sb3",
-    "ray": "envs/rllib",
-    "torch": ("envs/rllib", "envs/sb3_learning/gru", "envs/sb3_learning/memory", "envs/teams/torch_rows"),
+    "ray": "rllib.py",
+    "torch": ("envs/sb3_learning/gru", "envs/sb3_learning/memory", "envs/teams/torch_rows"),
     "wrapt": "envs/gymnasium/registration",
     "rich": "envs/described/description_text",
 }
