@@ -642,12 +642,7 @@ def test_files_from_outside_have_one_reader() -> None:
             "training/runs/checkpoint.py",
         ),
         "training/runs/environment.py",
-        *(
-            "training/export/exporting.py",
-            "evaluation/saved_policies/saved_models.py",
-            "cli/work/trial.py",
-            "training/searches/tuning.py",
-        ),
+        *("training/export/exporting.py", "evaluation/saved_policies/saved_models.py", "training/searches/tuning.py"),
         "evaluation/saved_policies/trusted.py",
     }
     places = {
