@@ -57,7 +57,7 @@ FOREIGN = {
     "scenario": {"pydantic", "pydantic_core", "yaml", "PIL"},
     "simulator": {"numba", "llvmlite", "shapely"},
     "bodies": {"shapely", "PIL"},
-    "rendering": {"matplotlib", "imageio_ffmpeg", "moviepy", "PIL", "rich", "pynput", "IPython"},
+    "rendering": {"matplotlib", "imageio_ffmpeg", "moviepy", "PIL", "rich", "IPython"},
     "tasks": {"pydantic", "pydantic_core", "onnx"},
     "live": {"shapely"},
     "envs": {"gymnasium"},
