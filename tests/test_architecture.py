@@ -98,7 +98,8 @@ RASTER = "rendering.raster"
 # Copied to where the package is not: they import only each other.
 SCRIPTS = {
     "robot/drive.py",
-    "robot/perceive.py",
+    "robot/parts/perceive.py",
+    "robot/parts/shield.py",
     "robot/scans.py",
     "robot/nodes/driving.py",
     *(f"robot/nodes/{ros}/policy_driver/node.py" for ros in ("ros1", "ros2")),

@@ -38,11 +38,13 @@ class Driver:
         self.now = self.scan_time = self.pose_time = self.bodies_time = -np.inf
         self.good_scans, self.has_fault, self.scan_fault, self.note, self.frame, self.goal_frame = 0, False, *[""] * 4
         nothing: Any = None
-        self.ranges = self.pose = self.way = self.map = nothing
+        self.ranges = self.seen = self.pose = self.way = self.map = self.shield = nothing
         self.velocity, self.others = np.zeros((1, len(self.contract["robot"]["low"]))), np.zeros((1, 0, 5))
         self.states: dict[str, Any] = {}
         if self.contract["seen_map"]:
             self.map = runpy.run_path(str(Path(contract).with_name("perceive.py")))["SeenMap"](self.contract)
+        if self.contract.get("shield"):
+            self.shield = runpy.run_path(str(Path(contract).with_name("shield.py")))["Shield"](self.contract)
         self.forget()
 
     def forget(self, *kept: str) -> None:
@@ -63,7 +65,7 @@ class Driver:
         found = {"beams": size, "range_max": msg.range_max, "field_of_view": abs(step) * max(size - 1, 0)}
         found["x"], found["y"], found["turn"] = self.mount
         self.scan_fault, self.note = SCANS["compared"](found, self.own, abs(step))
-        self.scan_time = SCANS["seconds"](msg.header.stamp)
+        self.scan_time, self.seen = SCANS["seconds"](msg.header.stamp), (msg, ranges, lost, self.velocity)
         if size and lost.mean() > self.contract["stop"]["lost_beams"]:
             self.scan_fault = f"{lost.mean():.0%} of the beams are lost"
         self.good_scans = 0 if self.scan_fault else self.good_scans + 1
@@ -115,12 +117,16 @@ class Driver:
             self.good_scans, self.has_fault = 0, True
             return self._still("the command is not finite")
         self.states = dict(zip(self.states, after))  # noqa: B905  (Python 3.8 knows no strict)
+        if self.shield:
+            command, reason = self.shield.slowed(self, command)
         if robot["steers"]:
             command[1] = command[0] * np.tan(command[1]) / robot["wheelbase"]
-        return (*command.tolist(), "")
+        return (*command.tolist(), reason)
 
     def _still(self, reason: str) -> tuple[Any, ...]:
         self.states["action"] = np.full_like(self.states["action"], self.contract["states"]["action"]["start"])
+        if self.shield:
+            self.shield.sent.append(np.zeros(3))
         if "pending" in self.states:  # this command is under way, too
             self.states["pending"] = np.pad(self.states["pending"][:, 1:], ((0, 0), (0, 1), (0, 0)))
         return (*[0.0] * self.velocity.shape[1], reason)

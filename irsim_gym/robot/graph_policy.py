@@ -11,7 +11,7 @@ from irsim_gym.base.arraytypes import Floats, Ints
 from irsim_gym.evaluation.policies.perception import Perception
 from irsim_gym.evaluation.policies.policy import Policy, by_agent
 from irsim_gym.robot.inputs import Measured, limits_of, measured
-from irsim_gym.robot.perceive import SeenMap
+from irsim_gym.robot.parts.perceive import SeenMap
 from irsim_gym.robot.policy_graph import PolicyGraph
 from irsim_gym.tasks import Episodes, Outcome
 

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from irsim_gym.errors import ScenarioError
+from irsim_gym.errors import ScenarioError, ScenarioWarning
 from irsim_gym.scenario import load_scenario
 from irsim_gym.scenario.reading.level_reading import read_levels
 from irsim_gym.scenario.specs.level_set import LevelSet
@@ -124,3 +124,28 @@ def test_nothing_is_unpickled(tmp_path: Path) -> None:
     assert not (tmp_path / "touched").exists()
     pickle.loads(pickle.dumps(Mischief()))
     assert (tmp_path / "touched").exists()  # unpickled, it would have done it
+
+
+def test_levels_that_begin_badly_are_noted(tmp_path: Path) -> None:
+    """The world is from 0 to 10 m."""
+    starts = arrays()["start"]
+    starts[1, 0, :2], starts[2, 0, :2] = (10.1, 5.0), (7.99, 8.0)
+    with pytest.warns(ScenarioWarning) as told:
+        load(tmp_path, start=starts)
+    text = str(told[0].message)
+    assert "two.yaml:8   levels: 'robot_0' starts outside the world in level 1" in text
+    assert "'robot_0' starts at the goal, closer than its goal_threshold in level 2" in text
+
+
+def test_a_start_in_an_occupied_cell_is_noted(tmp_path: Path) -> None:
+    cells = np.zeros((2, 4, 5), bool)
+    cells[1, 3, 0] = True  # from 7.5 to 10 m, and from 0 to 2 m
+    start = np.array([[[8.0, 1.0, 0.0]], [[8.0, 1.0, 0.0]]])
+    goal = np.full((2, 1, 3), 5.0)
+    np.savez(tmp_path / "levels.npz", bodies=["robot_0"], start=start, goal=goal, cells=cells)
+    (tmp_path / "map.yaml").write_text(
+        f"world: {{obstacle_map: {np.zeros((4, 5), int).tolist()}}}\n"
+        "robot: {kinematics: {name: diff}, distribution: {name: random}}\nlevels: levels.npz\n"
+    )
+    with pytest.warns(ScenarioWarning, match="'robot_0' starts in an occupied cell in level 1$"):
+        load_scenario(tmp_path / "map.yaml")

@@ -76,7 +76,10 @@ def load_scenario(
         levels = read_levels(scenario)
         home, values = home_of(levels)
         how: dict[str, Any] = {"strict": strict, "warn": warn, "may_pend": may_pend}
-        return with_levels(load_scenario(home, {**values, **(parameters or {})}, **how), levels)
+        played = with_levels(load_scenario(home, {**values, **(parameters or {})}, **how), levels)
+        if warn:
+            notes.warn_of_levels(played, str(scenario))
+        return played
     source = read_mapping(scenario) if isinstance(scenario, Mapping) else read_file(library.find(scenario))
     loaded = read_scenario(source, parameters or {}, strict=strict, may_pend=may_pend)
     if warn:

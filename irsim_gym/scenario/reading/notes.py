@@ -10,6 +10,7 @@ from irsim_gym.base.families import KINEMATICS
 from irsim_gym.scenario.checking.validation import Report, read_numbers
 from irsim_gym.scenario.entries.body_checks import speed_count
 from irsim_gym.scenario.entries.shorthand import split_entries
+from irsim_gym.scenario.reading.level_doubts import level_doubts
 from irsim_gym.scenario.specs.spec import BodySpec, Scenario
 from irsim_gym.scenario.text.source import ROLES, Place
 
@@ -58,7 +59,7 @@ def notes(scenario: Scenario) -> tuple[Problem, ...]:
 
 def doubts(scenario: Scenario) -> tuple[Problem, ...]:
     """Return remarks about suspicious values, in the order of their lines."""
-    found = [*scenario.doubts, *_world_notes(scenario), *_view_notes(scenario)]
+    found = [*scenario.doubts, *_world_notes(scenario), *_view_notes(scenario), *_level_notes(scenario)]
     for body in scenario.bodies:
         found += [Problem(body.line, body.name, message) for message in _body_notes(body, scenario)]
     return _in_order(found)
@@ -114,6 +115,16 @@ def _thickness(outline: Any) -> float:
         across = ((y1 - y0) * corners[:, 0] - (x1 - x0) * corners[:, 1]) / max(math.hypot(x1 - x0, y1 - y0), 1e-12)
         widths.append(float(across.max() - across.min()))
     return min(widths, default=0.0)
+
+
+def warn_of_levels(scenario: Scenario, title: str) -> None:
+    """Warn of levels that begin badly; the title names their file."""
+    _warn(ScenarioWarning, title, [replace(problem, line=0) for problem in _level_notes(scenario)])
+
+
+def _level_notes(scenario: Scenario) -> Iterator[Problem]:
+    for name, message in level_doubts(scenario):
+        yield scenario.problem(("levels",), f"'{name}' {message}")
 
 
 def _view_notes(scenario: Scenario) -> Iterator[Problem]:

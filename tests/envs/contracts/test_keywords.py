@@ -66,11 +66,7 @@ def test_a_keyword_of_nobody_leads_to_one_that_exists(name, told):
     ("name", "owners", "told"),
     [
         ("env_kwargs", (), "Stable-Baselines3's own make_vec_env; pass its contents as keywords"),
-        (
-            "monitor_dir",
-            (),
-            "own make_vec_env; Stable-Baselines3's VecMonitor(env, FILE) writes one file",
-        ),
+        ("monitor_dir", (), "own make_vec_env; Stable-Baselines3's VecMonitor(env, FILE) writes one file"),
         ("vec_env_cls", (), "Stable-Baselines3's own make_vec_env; use 'num_threads'"),
         ("wrapper_class", (), "Stable-Baselines3's own make_vec_env; wrap the returned environment"),
         ("vector_kwargs", ("make_vec",), "an argument of make_vec with vectorization_mode='sync'"),

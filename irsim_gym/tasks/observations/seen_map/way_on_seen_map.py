@@ -63,7 +63,7 @@ class WayOnSeenMap(ObservesWay):
         return way_columns(point, "length s of that way", scaled)
 
     def graph(self, term: Term, model: Model, agent: int, robot: RobotValues) -> Value:
-        """Return the columns as a graph, see ``HasGraph``; the robot finds the way itself (``robot/perceive.py``)."""
+        """Return the columns as a graph, see ``HasGraph``; the robot finds the way itself (``parts/perceive.py``)."""
         way = robot.graph.input("way_on_seen_map", np.float64, 3)
         ahead, left = robot.own_frame(way.columns(0, 1), way.columns(1, 2))
         far = (ahead * ahead + left * left).op("Sqrt")
