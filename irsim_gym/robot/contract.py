@@ -7,6 +7,7 @@ from typing import Any, Literal
 from pydantic import BaseModel, ConfigDict, Field
 
 from irsim_gym.base.outside_files import json_object, reading
+from irsim_gym.evaluation.saved_policies.cards import CardCurve
 from irsim_gym.tasks.terms.term import Needs
 
 FORMAT = 1
@@ -166,6 +167,9 @@ class RobotContract(_Fixed):
     stop: Stops
     results: Results
     shield: ShieldForm | None = Field(None, description="None for drivers without one.")
+    robustness: dict[str, CardCurve] = Field(
+        default={}, description="Strengths of disturbances by factor of `irsim-gym robustness`, without `predict`."
+    )
 
 
 def read_export(folder: Path) -> tuple[RobotContract, bytes]:

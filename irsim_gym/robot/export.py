@@ -140,10 +140,10 @@ def export_for_robot(
         results, samples = results_of(DelayedPolicy(ahead, round(predict / own)), played, levels), ahead.samples
     elif discs is not played:
         results = results_of(GraphPolicy(graph), played, levels)
-    elif is_own:
-        results = _known_results(loaded) or results
     contents, hashes = _sealed(graph, samples, scenario_hash(asked), policy_digest(source) or "")
     form = {"policy": name, "predict": predict, "results": results, **_form(played, graph, samples, period)}
+    if is_own and discs is played and predict == 0.0:
+        form |= _known_form(loaded)
     contract = RobotContract(hashes=hashes, scenario=_scenario_form(asked), shield=guard, **form)
     _write(folder, contract, contents, played, node)
     return RobotExport(contract, compared.n_commands, compared.most, graph.n_nodes, folder)
@@ -223,16 +223,18 @@ def _trained_in(source: str, policy: SavedPolicy) -> ScenarioRequest:
     raise IrsimGymError(f"the scenario of the training of {source} is not known: name it with --scenario")
 
 
-def _known_results(policy: SavedPolicy) -> Results | None:
-    """Return the results that the card of a policy has of its own scenario."""
+def _known_form(policy: SavedPolicy) -> dict[str, Any]:
+    """Return what a contract takes from a card: results in the own scenario, and the curves that hold for the graph."""
     card = policy.model.card if isinstance(policy.model, ShelfPolicy) else None
-    if card is None:
-        return None
+    if card is None or policy.perception is None:
+        return {}
+    late = ("latency", "all") if policy.perception.predict else ()  # the graph predicts by --predict alone
+    known: dict[str, Any] = {"robustness": {name: one for name, one in card.robustness.items() if name not in late}}
     own = [one for one in card.results if one.scenario is None and one.parameters == card.scenario.parameters]
-    if not own:
-        return None
-    share = own[0].success
-    return Results(success=share.value, low=share.low, high=share.high, levels=own[0].levels, split=own[0].split)
+    if own:
+        of, share = {"levels": own[0].levels, "split": own[0].split}, own[0].success
+        known["results"] = Results(success=share.value, low=share.low, high=share.high, **of)
+    return known
 
 
 def _network(policy: SavedPolicy) -> ShelfPolicy:
@@ -351,7 +353,7 @@ def _write(
     for place, field in SCRIPTS.items():
         if not field or getattr(contract, field):
             write_bytes(folder / Path(place).name, (Path(__file__).parent / place).read_bytes())
-    write_text(folder / "contract.json", contract.model_dump_json(indent=2) + "\n")
+    write_text(folder / "contract.json", contract.model_dump_json(indent=2, by_alias=True) + "\n")
     write_json(folder / "contract.schema.json", RobotContract.model_json_schema())
     write_text(folder / "README.md", model_card(contract, played.simulation.scenario.label))
     for place, text in package_files(contract, node).items() if node else ():

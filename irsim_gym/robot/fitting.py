@@ -88,7 +88,7 @@ def fit(folder: Path, variants: Sequence[Variant], levels: int = LEVELS) -> list
         one = _played(contract, graph, asked, replace(variant, values={**own, **variant.values}), levels)
         least = played[0].results.success - MOST_LOST if played else 0.0
         played.append(replace(one, fits=one.results.success >= least - 1e-9))
-    write_text(folder / "contract.json", widened(contract, played).model_dump_json(indent=2) + "\n")
+    write_text(folder / "contract.json", widened(contract, played).model_dump_json(indent=2, by_alias=True) + "\n")
     return played
 
 

@@ -3,6 +3,7 @@
 from pathlib import Path
 from textwrap import fill
 
+from irsim_gym.evaluation.saved_policies.shelf_tables import curves_text
 from irsim_gym.robot.contract import RobotContract
 from irsim_gym.tasks.terms.term import NEEDS
 
@@ -29,6 +30,7 @@ def model_card(contract: RobotContract, scenario: str) -> str:
         f"A policy of irsim_gym {contract.irsim_gym} for a robot with the drive `{contract.robot.drive}`.",
         f"It solves {success} of `{scenario}`, with the 95 % interval in brackets.",
         *([f"The graph predicts {contract.predict:g} s ahead."] if contract.predict else []),
+        *([f"It loses 5 points at: {curves_text(contract.robustness)}."] if contract.robustness else []),
     ]
     needs = [
         f"It needs {', '.join(f'`{need}` ({NEEDS[need]})' for need in contract.needs) or 'nothing'}.",
