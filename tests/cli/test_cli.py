@@ -483,6 +483,8 @@ def test_behaviours_of_ones_own(
         ("nowhere.py", "no file"),
         ("nowhere", "no module named 'nowhere' in this folder or installed; name a file with its suffix"),
         ("json.py", "another module named 'json' is already loaded; rename json.py"),
+        ("own_typo.py", "own_typo.py:2: invalid syntax"),
+        ("own_typo", "own_typo.py:2: invalid syntax"),
     ],
 )
 def test_imports_that_cannot_be(
@@ -491,8 +493,9 @@ def test_imports_that_cannot_be(
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(sys, "path", list(sys.path))
     Path("json.py").write_text("")
+    Path("own_typo.py").write_text("\ndef own(:\n")
     assert run(monkeypatch, "check", "empty_goal", "--import", name) == 1
-    assert said in capsys.readouterr().err
+    assert said in capsys.readouterr().err.replace("\n", "")
 
 
 def test_what_an_imported_module_misses_is_not_hidden(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
