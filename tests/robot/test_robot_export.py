@@ -153,9 +153,7 @@ def test_a_prediction_is_what_the_robot_sees_when_it_is_there() -> None:
     session = onnxruntime.InferenceSession(graph.model("prediction").SerializeToString())
     commands = np.array([[[1.0, 1.0], [0.8, -0.5], [1.0, 1.2]]])
     now = measured(played)
-    ranges, pose = session.run(
-        None, {**{name: now[name] for name in ("ranges", "pose", "velocity")}, "pending": commands}
-    )
+    ranges, pose = session.run(None, {**{name: now[name] for name in ("ranges", "pose")}, "pending": commands})
     for command in commands[0]:
         played.step((command / [1.0, 1.5]).reshape(1, 1, 2))
     then = measured(played)

@@ -123,9 +123,11 @@ class Value:
         """Return the maximum along an axis, which goes."""
         return self.op("ReduceMax", axes=[axis], keepdims=0)
 
-    def between(self, low: float, high: float) -> Value:
+    def between(self, low: Number, high: Number) -> Value:
         """Return the value within limits."""
-        return self.graph.op("Clip", [self, self._alike(low), self._alike(high)], self.dtype)
+        if np.unique(low).size > 1 or np.unique(high).size > 1:
+            return self.most(low).least(high)
+        return self.graph.op("Clip", [self, *(self._alike(np.max(limit)) for limit in (low, high))], self.dtype)
 
     def length(self, axis: int) -> Value:
         """Return the lengths of vectors, whose components an axis has; it goes."""
@@ -336,7 +338,7 @@ def sector_flags(places: Value, count: int) -> Value:
 
 
 def between_edges(x: Value, y: Value, edges: Floats) -> Value:
-    """Return between which edges each place lies, ``(batch, n, n_edges - 1)``.
+    """Return between which edges each place lies, ``(batch, n_edges - 1, n)``.
 
     Args:
         x: How far ahead each place is [m], ``(batch, n)``.
@@ -344,6 +346,6 @@ def between_edges(x: Value, y: Value, edges: Floats) -> Value:
         edges: Ascending angles [rad]; neighbours are at most half a turn apart.
     """
     # A place on an edge belongs to the sector that begins there, whatever is rounded.
-    turned = np.stack([-np.sin(edges - 1e-12), np.cos(edges - 1e-12)]).astype(x.dtype)
-    begun = x.graph.join([x.spread(-1), y.spread(-1)], axis=-1).times(turned) >= 0.0
-    return begun.columns(0, len(edges) - 1, -1) & ~begun.columns(1, len(edges), -1)
+    turned = x.graph.constant(np.stack([-np.sin(edges - 1e-12), np.cos(edges - 1e-12)], axis=1).astype(x.dtype))
+    begun = turned.times(x.graph.join([x.spread(1), y.spread(1)])) >= 0.0
+    return begun.columns(0, len(edges) - 1) & ~begun.columns(1, len(edges))
