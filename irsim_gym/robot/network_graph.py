@@ -55,7 +55,8 @@ def _stored(value: Value, array: Floats) -> Value:
 
 
 def _dense(rows: Value, weight: Floats, bias: Floats) -> Value:
-    return rows.graph.op("Gemm", [rows, _stored(rows, weight.T.copy()), _stored(rows, bias)], rows.dtype)
+    # As Gemm before an activation, onnxruntime 1.17 fuses it to an operator that it lacks for float64.
+    return rows.times(_stored(rows, weight.T.copy())) + _stored(rows, bias)
 
 
 def _gru(rows: Value, memory: Value, arrays: Arrays) -> Value:

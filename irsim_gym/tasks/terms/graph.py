@@ -129,9 +129,10 @@ class Value:
             return self.most(low).least(high)
         return self.graph.op("Clip", [self, *(self._alike(np.max(limit)) for limit in (low, high))], self.dtype)
 
-    def length(self, axis: int) -> Value:
-        """Return the lengths of vectors, whose components an axis has; it goes."""
-        return self.op("ReduceL2", axes=[axis], keepdims=0)
+    def length(self, axis: int, *, keeps: bool = False) -> Value:
+        """Return the lengths of vectors, whose components an axis has; it goes, or keeps one number."""
+        # onnxruntime 1.17 has no ReduceL2 of float64.
+        return self.op("ReduceSumSquare", axes=[axis], keepdims=int(keeps)).op("Sqrt")
 
     def unit(self) -> Value:
         """Return cosines and sines of angles [rad], ``(batch, 2)`` of ``(batch, 1)``."""
@@ -333,8 +334,7 @@ def sector_flags(places: Value, count: int) -> Value:
     middle = 2.0 * np.pi * (np.arange(count) + 0.5) / count - np.pi - 1e-12
     edge = np.full(count, -np.cos(np.pi / count) if count > 1 else 2.0)
     sectors = places.graph.constant(np.stack([np.cos(middle), np.sin(middle), edge], axis=1))
-    away = places.op("ReduceL2", axes=[-2])
-    return sectors.times(places.graph.join([places, away], axis=-2)) >= 0.0
+    return sectors.times(places.graph.join([places, places.length(-2, keeps=True)], axis=-2)) >= 0.0
 
 
 def between_edges(x: Value, y: Value, edges: Floats) -> Value:

@@ -134,7 +134,7 @@ class PastScans(EncodesDepths):
         moved = robot.turned(robot.ways(poses.columns(0, 2, 2))).spread(3)
         turns = rotation(poses.columns(2, 3, 2) - robot.pose.columns(2, 3).spread(2), len(self.ago))
         places = turns.times(ends) + moved
-        depth = (places.op("ReduceL2", axes=[2]) - memory.reach[agent]).cast(np.float32)
+        depth = (places.length(2, keeps=True) - memory.reach[agent]).cast(np.float32)
         depths = sector_flags(places, self.sectors).where(depth, far).smallest(3)
         return self.coded_graph(far, depths.between(0.0, far)).op("Flatten")
 
