@@ -42,11 +42,20 @@ from irsim_gym.robot.contract import (
     contract_schema,
 )
 from irsim_gym.robot.graph_policy import ComparedPolicy, DelayedPolicy, GraphPolicy
-from irsim_gym.robot.inputs import among_discs, limits_of, scanner_form, seen_map_form, seers, sees_moving_only
+from irsim_gym.robot.inputs import (
+    among_discs,
+    limits_of,
+    scanner_form,
+    seen_map_form,
+    seers,
+    sees_moving_only,
+    without_latency,
+)
 from irsim_gym.robot.model_card import model_card
 from irsim_gym.robot.nodes.package import check_node, package_files
 from irsim_gym.robot.policy_graph import PolicyGraph, UnfitForRobotError, policy_graph
 from irsim_gym.scenario.reading.parameters import PERTURBED
+from irsim_gym.simulator.engine import compile
 from irsim_gym.simulator.world.model import ACKERMANN, STATE
 from irsim_gym.tasks import Episodes, Outcome
 from irsim_gym.tasks.episodes.prediction import steers
@@ -130,7 +139,8 @@ def export_for_robot(
     if predict > 0.0:
         graph = policy_graph(network, played, name, predict=predict, period=period)
         ahead = ComparedPolicy(GraphPolicy(graph), graph)
-        results = results_of(DelayedPolicy(ahead, round(predict / own)), played, levels)
+        prompt = compile(without_latency(played.simulation.scenario), played.n_worlds, agents=played.task.agents)
+        results = results_of(DelayedPolicy(ahead, round(predict / own)), Episodes(prompt, played.task), levels)
         samples = ahead.samples
     elif discs is not played:
         results = results_of(GraphPolicy(graph), played, levels)

@@ -20,11 +20,13 @@ from irsim_gym.evaluation.saved_policies.shelf import read_policy, shelf_file
 from irsim_gym.robot import export
 from irsim_gym.robot.contract import RobotContract
 from irsim_gym.robot.export import FILES, RobotExport, export_for_robot
+from irsim_gym.robot.fitting import Variant, fit
 from irsim_gym.robot.graph_policy import DelayedPolicy, GraphPolicy
 from irsim_gym.robot.inputs import measured, robot_values
 from irsim_gym.robot.policy_graph import policy_graph
 from irsim_gym.robot.prediction import pending_spans, predicted
 from irsim_gym.scenario import load_scenario
+from irsim_gym.scenario.specs.library import find
 from irsim_gym.simulator.engine import compile
 from irsim_gym.tasks import Episodes, load_task
 from irsim_gym.tasks.terms.graph import Graph
@@ -112,6 +114,18 @@ def test_what_a_task_predicts_is_left_to_the_graph(tmp_path: Path) -> None:
     assert found.contract.predict == 0.0
     assert found.contract.results is not None
     assert found.contract.results.success > 0.9
+
+
+def test_a_latency_of_the_scenario_delays_a_predicting_policy_once(tmp_path: Path) -> None:
+    data = yaml.safe_load(Path(find("cluttered_room")).read_text(encoding="utf-8"))
+    data["robot"][0]["disturbances"] = [{"name": "latency", "time": 0.3}]
+    file = tmp_path / "late.yaml"
+    file.write_text(yaml.safe_dump(data), encoding="utf-8")
+    asked = ScenarioRequest(str(file))
+    late = export_for_robot("cluttered_room", tmp_path / "out", predict=0.3, asked=asked, levels=20).contract
+    assert late.results.success > 0.9
+    again, _ = fit(tmp_path / "out", [Variant("more beams", {"beams": 200})], levels=20)
+    assert again.results == late.results
 
 
 def test_an_export_is_not_replaced(exported: RobotExport) -> None:
