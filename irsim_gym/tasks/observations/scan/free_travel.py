@@ -7,8 +7,8 @@ import numpy as np
 
 from irsim_gym.base.options import kind, option
 from irsim_gym.tasks.observations.scan.ranges import (
-    WITHOUT_SENSOR,
     FAR_OFF,
+    WITHOUT_SENSOR,
     EncodesDepths,
     code_problems,
     encode,
@@ -109,12 +109,12 @@ class FreeTravel(ObservesTravel):
         """Return the columns as a graph; see ``HasGraph``."""
         ways: Ways = term.arrays
         far, radius, (x, y) = ways.far[agent], ways.radius[agent], ways.mount[agent].astype(np.float64)
-        turned, beams = (ways.ahead_x - 1j * ways.ahead_y).astype(complex), ways.beams_x[agent] + 1j * ways.beams_y[agent]
+        beams, turned = ways.beams_x[agent] + 1j * ways.beams_y[agent], ways.ahead_x - 1j * ways.ahead_y
         ranges = (robot.ranges < ways.sight[agent]).where(robot.ranges, FAR_OFF).spread(1)
         # How far each point lies along and aside each direction, ``(batch, n_directions, n_beams)``.
         along, aside = (ranges * part(np.outer(turned, beams)) for part in (np.real, np.imag))
         if x or y:
-            mount = (turned * (x + 1j * y))[:, None]
+            mount = (turned * complex(x, y))[:, None]
             along, aside = along + mount.real, aside + mount.imag
         room = radius * radius - aside * aside
         lengths = ((room > 0.0) & (along > 0.0)).where(along - room.op("Sqrt"), far).smallest(2)

@@ -9,8 +9,8 @@ from irsim_gym.base.arraytypes import Floats, Ints, Rays
 from irsim_gym.simulator.geometry.angles import TURN, nearly_arctan2
 from irsim_gym.simulator.world.state import State
 from irsim_gym.tasks.observations.scan.ranges import (
-    WITHOUT_SENSOR,
     FAR_OFF,
+    WITHOUT_SENSOR,
     EncodesDepths,
     code_problems,
     encode,
