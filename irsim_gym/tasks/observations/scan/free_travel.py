@@ -109,7 +109,8 @@ class FreeTravel(ObservesTravel):
         """Return the columns as a graph; see ``HasGraph``."""
         ways: Ways = term.arrays
         far, radius, (x, y) = ways.far[agent], ways.radius[agent], ways.mount[agent].astype(np.float64)
-        beams, turned = ways.beams_x[agent] + 1j * ways.beams_y[agent], ways.ahead_x - 1j * ways.ahead_y
+        beams = ways.beams_x[agent] + 1j * ways.beams_y[agent]
+        turned = (ways.ahead_x - 1j * ways.ahead_y).astype(np.complex128)
         ranges = (robot.ranges < ways.sight[agent]).where(robot.ranges, FAR_OFF).spread(1)
         # How far each point lies along and aside each direction, ``(batch, n_directions, n_beams)``.
         along, aside = (ranges * part(np.outer(turned, beams)) for part in (np.real, np.imag))
