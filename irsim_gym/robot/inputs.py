@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from irsim_gym.base.arraytypes import Flags, Floats, Rays
-from irsim_gym.base.families import DISTURBANCES, FOOTPRINTS
+from irsim_gym.base.families import FOOTPRINTS
 from irsim_gym.robot.contract import Scanner, SeenMapForm, Tested
 from irsim_gym.scenario import Scenario
 from irsim_gym.simulator.world.model import OMNI_WORLD, Model
@@ -104,16 +104,6 @@ def among_discs(scenario: Scenario, episodes: Episodes) -> Scenario:
         elif model.stands[b] and not sees_moving_only(episodes):
             bodies[b] = replace(bodies[b], unobstructed=True)
     return scenario if bodies == list(scenario.bodies) else replace(scenario, bodies=tuple(bodies))
-
-
-def without_latency(scenario: Scenario) -> Scenario:
-    """Return a scenario whose commands act at once, to be played by a policy that is delayed itself."""
-    kind = DISTURBANCES.entry("latency").kind
-    own, *bodies = (
-        tuple(one for one in every.disturbances if not isinstance(one, kind)) for every in (scenario, *scenario.bodies)
-    )
-    prompt = (replace(body, disturbances=rest) for body, rest in zip(scenario.bodies, bodies, strict=True))
-    return replace(scenario, bodies=tuple(prompt), disturbances=own)
 
 
 def sees_moving_only(episodes: Episodes) -> bool:

@@ -8,16 +8,27 @@ from typing import Any
 
 import numpy as np
 
-TYPES: dict[str, Any] = {"object": dict, "array": list, "string": str, "integer": int, "number": (int, float)}
-TYPES.update({"boolean": bool, "null": type(None)})
+NUMBERS = {"integer": int, "number": (int, float)}
+TYPES = {"object": dict, "array": list, "string": str, "boolean": bool, "null": type(None), **NUMBERS}
 
 
-def read(file: Path) -> Any:
-    """Return the content of a JSON file; a ValueError names the file."""
+def read_contract(file: Path) -> Any:
+    """Return a contract; a ValueError says what is wrong with it, by the schema beside it."""
     try:
-        return json.loads(file.read_text(encoding="utf-8"))
+        contract = json.loads(file.read_text(encoding="utf-8"))
     except ValueError as problem:
         raise ValueError(f"{file} is not JSON: {problem}") from None
+    schema = json.loads(file.with_suffix(".schema.json").read_text(encoding="utf-8"))
+    if said := fault(contract, schema, schema["$defs"]):
+        raise ValueError(f"{file}: {said}")
+    return contract
+
+
+def differing(session: Any, contract: Any) -> list[str]:
+    """Return the inputs, and the outputs for states, that a graph or its contract alone has."""
+    taken, returned = ({one.name for one in every} for every in (session.get_inputs(), session.get_outputs()))
+    states = {f"{name}_next" for name in contract["states"]}
+    return sorted((taken ^ set(contract["inputs"])) | (returned ^ states) - {"command"})
 
 
 def fault(found: Any, form: dict[str, Any], forms: dict[str, Any], key: str = "") -> str:

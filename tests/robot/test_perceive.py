@@ -18,7 +18,7 @@ from test_readme import blocks
 
 from irsim_gym.robot.drive import Driver
 from irsim_gym.robot.export import FILES, export_for_robot
-from irsim_gym.robot.perceive import SeenMap
+from irsim_gym.robot.parts.perceive import SeenMap
 
 AROUND = np.arange(8) * 0.25 * np.pi
 NOTHING = np.full(8, np.inf, np.float32)

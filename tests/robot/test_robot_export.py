@@ -17,6 +17,7 @@ from irsim_gym.evaluation.protocol.protocol import evaluate
 from irsim_gym.evaluation.requests.scenario_request import ScenarioRequest
 from irsim_gym.evaluation.saved_policies.policies import SavedPolicy
 from irsim_gym.evaluation.saved_policies.shelf import read_policy, shelf_file
+from irsim_gym.evaluation.saved_policies.shelf_tables import curves_text
 from irsim_gym.robot import export
 from irsim_gym.robot.contract import RobotContract
 from irsim_gym.robot.export import FILES, RobotExport, export_for_robot
@@ -36,7 +37,7 @@ onnxruntime = pytest.importorskip("onnxruntime")
 
 
 def test_the_files_of_an_export(exported: RobotExport) -> None:
-    assert {file.name for file in exported.folder.iterdir()} == {*FILES} - {"perceive.py"}
+    assert {file.name for file in exported.folder.iterdir()} == {*FILES} - {"perceive.py", "shield.py"}
     onnx.checker.check_model(onnx.load(exported.folder / "policy.onnx"), full_check=True)
     assert exported.difference <= 1e-5
     assert exported.n_commands > 1000
@@ -71,6 +72,10 @@ def test_the_contract_keeps_to_its_schema(exported: RobotExport) -> None:
     assert (found["robot"]["low"], found["robot"]["high"]) == ([0.0, -1.5], [1.0, 1.5])
     ages = {"scan_age": pytest.approx(0.3), "odometry_age": pytest.approx(0.3), "bodies_age": None}
     assert found["stop"] == {**ages, "lost_beams": 0.3}
+    assert found["robustness"]["latency"]["5 points lost at"] == pytest.approx(0.2, abs=0.02)
+    card = read_policy(shelf_file("cluttered_room")).card
+    assert card is not None
+    assert exported.contract.robustness == card.robustness
     assert found["states"]["record_nearest"] == {"shape": [1], "dtype": "float64", "start": "inf"}
 
 
@@ -126,6 +131,19 @@ def test_a_latency_of_the_scenario_delays_a_predicting_policy_once(tmp_path: Pat
     assert late.results.success > 0.9
     again, _ = fit(tmp_path / "out", [Variant("more beams", {"beams": 200})], levels=20)
     assert again.results == late.results
+
+
+def test_a_contract_has_the_curves_that_hold_for_its_graph(tmp_path: Path) -> None:
+    """Those of a policy that is told its latency do not hold for a graph without prediction, others do."""
+    own = export_for_robot("cluttered_room_robot", tmp_path / "own", levels=2)
+    card = read_policy(shelf_file("cluttered_room_robot")).card
+    assert card is not None
+    assert set(card.robustness) - set(own.contract.robustness) == {"latency", "all"}
+    text = (own.folder / "README.md").read_text(encoding="utf-8").replace("\n", " ")
+    assert f"It loses 5 points at: {curves_text(own.contract.robustness)}." in text
+    late = export_for_robot("cluttered_room", tmp_path / "late", levels=2, predict=0.3)
+    assert late.contract.robustness == {}
+    assert "5 points" not in (late.folder / "README.md").read_text(encoding="utf-8")
 
 
 def test_an_export_is_not_replaced(exported: RobotExport) -> None:

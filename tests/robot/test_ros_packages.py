@@ -134,7 +134,8 @@ def test_a_package_is_installed_with_its_node_and_policy(ros2: Path, tmp_path: P
     names = zipfile.ZipFile(wheel).namelist()
     assert {f"{NAME}/{file}" for file in ("__init__.py", "driving.py", "node.py")} <= set(names)
     shared = {name.split("/data/share/")[1] for name in names if "/data/share/" in name}
-    own = {"package.xml", "launch/drive_launch.py", "config/collision_monitor.yaml", "contract.json", "policy.onnx"}
+    own = {"package.xml", "launch/drive_launch.py", "config/collision_monitor.yaml"}
+    own |= {"contract.json", "contract.schema.json", "policy.onnx"}
     drivers = {file.name for file in ros2.glob("*.py")} - {"setup.py"}
     assert "drive.py" in drivers
     assert shared == {f"{NAME}/{file}" for file in own | drivers} | {f"ament_index/resource_index/packages/{NAME}"}

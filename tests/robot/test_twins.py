@@ -10,7 +10,7 @@ import pytest
 
 from irsim_gym.base import families
 from irsim_gym.robot.inputs import measured, robot_values
-from irsim_gym.robot.perceive import SeenMap
+from irsim_gym.robot.parts.perceive import SeenMap
 from irsim_gym.robot.policy_graph import perceived_by
 from irsim_gym.robot.prediction import pending_spans, predicted
 from irsim_gym.scenario import load_scenario

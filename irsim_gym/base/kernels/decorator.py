@@ -181,7 +181,9 @@ def plain_dispatcher(function: Any, options: dict[str, Any]) -> Any:
     usual = config.CACHE_DIR
     try:
         config.CACHE_DIR = str(folder or "")
-        dispatcher: Any = numba.njit(cache=folder is not None, **options)(function)
+        # Numba would take `_nrt` from the kernel that it is compiling now, which may count no references.
+        chosen: Any = {**options, "cache": folder is not None, "_nrt": True}
+        dispatcher: Any = numba.njit(**chosen)(function)
     finally:
         config.CACHE_DIR = usual
     compile_cached = dispatcher.compile

@@ -21,7 +21,7 @@ def check_files(files: Sequence[str], reading: ReadOptions) -> bool:
 
     Args:
         files: Scenario files or shipped names.
-        reading: How the files are read. The child process that runs them imports the same plugins.
+        reading: How the files are read.
     """
     read: dict[str, Read | None] = {}  # None: it is played for further problems, beside those of its task
     failures: dict[str, str] = {}

@@ -63,7 +63,7 @@ class WayOnSeenMap(ObservesWay):
         return way_columns(point, "length s of that way", scaled)
 
     def graph(self, term: Term, model: Model, agent: int, robot: RobotValues) -> Value:
-        """Return the columns as a graph, see ``HasGraph``; the robot finds the way itself (``robot/perceive.py``)."""
+        """Return the columns as a graph, see ``HasGraph``; the robot finds the way itself (``parts/perceive.py``)."""
         way = robot.graph.input("way_on_seen_map", np.float64, 3)
         first = robot.ways(way.columns(0, 2).spread(1))
         length = ((first.length(2) + way.columns(2, 3)) / diagonal(model.bounds)).least(1.0)
