@@ -140,9 +140,7 @@ def export_for_robot(
     if predict > 0.0:
         graph = policy_graph(network, played, name, predict=predict, period=period)
         ahead = ComparedPolicy(GraphPolicy(graph), graph)
-        prompt = compile(without_latency(played.simulation.scenario), played.n_worlds, agents=played.task.agents)
-        late = DelayedPolicy(ahead, round(predict / own))
-        results, samples = results_of(late, Episodes(prompt, played.task), levels), ahead.samples
+        results, samples = _late_results(ahead, round(predict / own), played, levels), ahead.samples
     elif discs is not played:
         results = results_of(GraphPolicy(graph), played, levels)
     contents, hashes = _sealed(graph, samples, scenario_hash(asked), policy_digest(source) or "")
@@ -258,6 +256,12 @@ def results_of(policy: Policy, played: Episodes, levels: int) -> Results:
         solved += int((played.view.infos["outcome"][worlds] == Outcome.SUCCESS).all(axis=1).sum())
     share = rate(solved, levels)
     return Results(success=share.value, low=share.low, high=share.high, levels=levels, split=SPLIT)
+
+
+def _late_results(policy: Policy, n_steps: int, played: Episodes, levels: int) -> Results:
+    """Return the results of a policy whose commands act so many steps late, whatever latency the scenario has."""
+    prompt = compile(without_latency(played.simulation.scenario), played.n_worlds, agents=played.task.agents)
+    return results_of(DelayedPolicy(policy, n_steps), Episodes(prompt, played.task), levels)
 
 
 def _check_difference(compared: ComparedPolicy, name: str) -> None:

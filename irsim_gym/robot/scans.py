@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 NUMBERS = {"integer": int, "number": (int, float)}
-TYPES = {"object": dict, "array": list, "string": str, "boolean": bool, "null": type(None), **NUMBERS}
+TYPES: dict[str, Any] = {"object": dict, "array": list, "string": str, "boolean": bool, "null": type(None), **NUMBERS}
 
 
 def read_contract(file: Path) -> Any:
