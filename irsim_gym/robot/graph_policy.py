@@ -149,11 +149,10 @@ class DelayedPolicy:
 def without_latency(scenario: Scenario) -> Scenario:
     """Return a scenario whose commands act at once, to be played by a policy that is delayed itself."""
     kind = DISTURBANCES.entry("latency").kind
-    own, *bodies = (
-        tuple(one for one in every.disturbances if not isinstance(one, kind)) for every in (scenario, *scenario.bodies)
-    )
-    prompt = (replace(body, disturbances=rest) for body, rest in zip(scenario.bodies, bodies, strict=True))
-    return replace(scenario, bodies=tuple(prompt), disturbances=own)
+    lists = [scenario.disturbances, *(body.disturbances for body in scenario.bodies)]
+    own, *rests = (tuple(one for one in some if not isinstance(one, kind)) for some in lists)
+    bodies = (replace(body, disturbances=rest) for body, rest in zip(scenario.bodies, rests, strict=True))
+    return replace(scenario, bodies=tuple(bodies), disturbances=own)
 
 
 @dataclass

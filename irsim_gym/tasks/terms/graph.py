@@ -218,19 +218,22 @@ class Graph:
 
         fed = {*self._inputs, *self._arrays}
         names = {value.name: name for name, (value, _) in self._outputs.items() if value.name not in fed}
-        copies = [("Identity", [value.name], [name], {}) for name, (value, _) in self._outputs.items()]
-        copies = [copy for copy in copies if names.get(copy[1][0]) != copy[2][0]]
-        needed, nodes = set(self._outputs), []
-        for kind, *ends, attributes in reversed([*self._nodes, *copies]):
-            taken, found = ([names.get(name, name) for name in end] for end in ends)
+        needed, nodes, every = set(self._outputs), [], self._nodes.copy()
+        for key, (value, _) in self._outputs.items():
+            if names.get(value.name) != key:
+                every.append(("Identity", [value.name], [key], {}))
+        for kind, *ends, attributes in reversed(every):
+            taken, found = ([names.get(end, end) for end in some] for some in ends)
             if needed.intersection(found):
                 # Nodes have names: onnxruntime 1.19 merges nodes under names of theirs, and refuses two of the same.
                 nodes.append(helper.make_node(kind, taken, found, name=found[-1], **attributes))
                 needed.update(taken)
-        outputs = {name: (value.dtype, shape) for name, (value, shape) in self._outputs.items()}
         inputs, outputs = (
-            [helper.make_tensor_value_info(key, code_of(dtype), [BATCH, *shape]) for key, (dtype, shape) in some]
-            for some in ([pair for pair in self._inputs.items() if pair[0] in needed], outputs.items())
+            [helper.make_tensor_value_info(key, code_of(dtype), [BATCH, *shape]) for key, dtype, shape in some]
+            for some in (
+                [(key, *form) for key, form in self._inputs.items() if key in needed],
+                [(key, value.dtype, shape) for key, (value, shape) in self._outputs.items()],
+            )
         )
         arrays = [numpy_helper.from_array(array, key) for key, array in self._arrays.items() if key in needed]
         graph = helper.make_graph(nodes[::-1], name, inputs, outputs, arrays)
