@@ -332,19 +332,19 @@ class Body(IrSimReadings):
         self._session.goals.write(self._simulation, self._b, np.array(drawn), init=init)
 
     def set_laser_color(self, laser_indices: Iterable[int], laser_color: str | None = None, alpha: float = 0.3) -> None:
-        """Draw some beams of its first range sensor in another colour, and all others in the sensor's own.
+        """Draw some beams of its first range sensor in another colour over their own, until the next call.
 
         Args:
             laser_indices: Numbers of these beams; numbers without a beam are ignored.
             laser_color: Colour of these beams (default: orange).
-            alpha: Opacity of these beams; 0 hides them.
+            alpha: Opacity of this colour.
 
         Raises:
             UnknownNameError: The body has no range sensor.
             ValueError: The colour is unknown, or the opacity is not between 0 and 1.
         """
-        count = len(self.scan()["ranges"])
-        self._session.painted.paint(self._name, count, laser_indices, laser_color or HIGHLIGHT, alpha)
+        self._range_sensor(0)
+        self._session.painted.paint(self._name, laser_indices, laser_color or HIGHLIGHT, alpha)
 
     def append_goal(self, goal: ArrayLike) -> None:
         """Append goals to the remaining ones."""
