@@ -182,7 +182,8 @@ def plain_dispatcher(function: Any, options: dict[str, Any]) -> Any:
     try:
         config.CACHE_DIR = str(folder or "")
         # Numba would take `_nrt` from the kernel that it is compiling now, which may count no references.
-        dispatcher: Any = numba.njit(cache=folder is not None, _nrt=True, **options)(function)
+        chosen: Any = {**options, "cache": folder is not None, "_nrt": True}
+        dispatcher: Any = numba.njit(**chosen)(function)
     finally:
         config.CACHE_DIR = usual
     compile_cached = dispatcher.compile
