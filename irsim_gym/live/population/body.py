@@ -15,7 +15,7 @@ from irsim_gym.live.session import hints
 from irsim_gym.live.session.goal_writer import read_goals
 from irsim_gym.live.session.painted import HIGHLIGHT
 from irsim_gym.live.session.session import Session
-from irsim_gym.live.session.vectors import Vector, vector
+from irsim_gym.live.session.vectors import Vector, row_of, vector
 from irsim_gym.scenario.specs.spec import BodySpec
 from irsim_gym.simulator.engine import Simulation
 from irsim_gym.simulator.levels.body_measures import measured
@@ -353,10 +353,7 @@ class Body(IrSimReadings):
 
 def _numbers(values: Sequence[float] | Floats, least: int, names: Sequence[str], what: str) -> Floats:
     """Return four numbers, 0 for those that are not given."""
-    try:
-        given = np.asarray(values, np.float64).reshape(-1)
-    except (TypeError, ValueError):
-        given = np.zeros(0)
+    given = row_of(values)
     if not least <= given.size <= len(names) or not np.isfinite(given).all():
         count = f"{least}" if least == len(names) else f"{least} to {len(names)}"
         raise ValueError(f"{what} has {count} finite numbers ({', '.join(names)}), got {values!r}")
