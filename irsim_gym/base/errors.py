@@ -155,15 +155,15 @@ def report_together(*checks: Callable[[], object]) -> None:
     Raises:
         IrsimGymError: The only problem, or ``SeveralProblemsError`` with all of them.
     """
-    found: list[IrsimGymError] = []
+    errors: list[IrsimGymError] = []
     for check in checks:
         try:
             check()
         except SeveralProblemsError as error:
-            found += error.problems
+            errors += error.problems
         except IrsimGymError as error:
-            found.append(error)
-    different = list({str(error): error for error in found}.values())
+            errors.append(error)
+    different = list({str(error): error for error in errors}.values())
     if different:
         raise different[0] if len(different) == 1 else SeveralProblemsError(different)
 
@@ -272,31 +272,31 @@ def several(count: int, noun: str) -> str:
     return f"{count} {noun}{'' if count == 1 else 's'}"
 
 
-def suggestion(name: str, known: Iterable[str]) -> str:
+def suggestion(name: str, choices: Iterable[str]) -> str:
     """Return ``" (did you mean 'x'?)"`` for the nearest known name, else an empty string.
 
     Args:
         name: What was written.
-        known: What there is.
+        choices: What there is.
     """
-    near = nearest(name, known)
+    near = nearest(name, choices)
     return f" (did you mean '{near}'?)" if near is not None else ""
 
 
-def nearest(name: str, known: Iterable[str], cutoff: float = 0.6) -> str | None:
+def nearest(name: str, choices: Iterable[str], cutoff: float = 0.6) -> str | None:
     """Return the known name that a misspelt one most likely stands for; None when none is near.
 
     The same words in another order come first: ``max_range`` stands for ``range_max``.
 
     Args:
         name: What was written.
-        known: What there is.
+        choices: What there is.
         cutoff: How alike they have to be, a share from 0 to 1.
     """
-    known = list(known)
+    choices = list(choices)
     words = sorted(name.lower().split("_"))
-    same = [one for one in known if sorted(one.lower().split("_")) == words]
-    near = same or difflib.get_close_matches(name, known, n=1, cutoff=cutoff)
+    same = [choice for choice in choices if sorted(choice.lower().split("_")) == words]
+    near = same or difflib.get_close_matches(name, choices, n=1, cutoff=cutoff)
     return near[0] if near else None
 
 

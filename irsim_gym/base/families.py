@@ -68,7 +68,7 @@ def kind_named(family: str, name: str) -> Any:
         UnknownNameError: Nothing is; the message says how one's own is registered.
     """
     load()
-    return next(one for one in every() if one.family == family).entry(name).kind
+    return next(registry for registry in every() if registry.family == family).entry(name).kind
 
 
 def commands(behavior: object, drive: type[Any]) -> bool:

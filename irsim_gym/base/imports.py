@@ -41,9 +41,9 @@ def _import_module(name: str) -> None:
 def _import_file(file: Path) -> None:
     if not file.is_file():
         raise IrsimGymError(f"--import: no file {file}")
-    known = sys.modules.get(file.stem)
-    if known is not None:
-        if getattr(known, "__file__", None) == str(file):
+    loaded = sys.modules.get(file.stem)
+    if loaded is not None:
+        if getattr(loaded, "__file__", None) == str(file):
             return
         raise IrsimGymError(f"--import: another module named '{file.stem}' is already loaded; rename {file.name}")
     _search(file.parent)

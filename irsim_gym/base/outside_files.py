@@ -59,7 +59,7 @@ def _reason(problem: Exception) -> str:
     if isinstance(problem, KeyError) and not isinstance(problem, IrsimGymError):
         return f"{problem} is missing"
     if hasattr(problem, "errors"):  # pydantic's: each with its place
-        return "; ".join(f"{'.'.join(map(str, one['loc']))}: {one['msg']}" for one in problem.errors())
+        return "; ".join(f"{'.'.join(map(str, item['loc']))}: {item['msg']}" for item in problem.errors())
     if isinstance(problem, MemoryError):
         return "it needs more memory than there is"
     if isinstance(problem, UnicodeDecodeError):
@@ -91,7 +91,7 @@ def word_tables(file: Path) -> dict[str, dict[str, str]]:
     }
 
 
-def checked(made: T) -> T:
+def checked(value: T) -> T:
     """Return a dataclass made from a file, after checking the type of every field; call it within ``reading``.
 
     Raises:
@@ -99,8 +99,8 @@ def checked(made: T) -> T:
     """
     from pydantic import TypeAdapter
 
-    TypeAdapter(type(made)).validate_python(vars(made))
-    return made
+    TypeAdapter(type(value)).validate_python(vars(value))
+    return value
 
 
 def json_text(text: str | bytes) -> dict[str, Any]:
@@ -146,10 +146,10 @@ def _array(name: str, content: bytes) -> NDArray[Any]:
         raise ValueError(f"{name} is no array as np.savez writes it ({error})") from None
     if dtype.kind not in KINDS:
         raise ValueError(f"{name} must hold numbers or text, got {dtype}")
-    wanted, there = math.prod(shape) * dtype.itemsize, len(content) - stream.tell()
-    if min(shape, default=0) < 0 or wanted != there:
-        raise ValueError(f"{name} of {dtype} with shape {shape} needs {wanted:,} bytes, got {there:,}")
-    flat = np.frombuffer(content, dtype, offset=stream.tell()) if wanted else np.zeros(0, dtype)
+    n_bytes, there = math.prod(shape) * dtype.itemsize, len(content) - stream.tell()
+    if min(shape, default=0) < 0 or n_bytes != there:
+        raise ValueError(f"{name} of {dtype} with shape {shape} needs {n_bytes:,} bytes, got {there:,}")
+    flat = np.frombuffer(content, dtype, offset=stream.tell()) if n_bytes else np.zeros(0, dtype)
     return np.array(flat.reshape(shape, order="F" if is_fortran else "C"))
 
 

@@ -51,10 +51,10 @@ class Registry:
             module, attribute = self._contract
             contract = getattr(importlib.import_module(module), attribute)
             importlib.import_module("irsim_gym.base.contract").check_kind(self.family, name, kind, contract)
-        known = self._entries.get(name)
-        if known is not None and known.kind is not kind:
+        entry = self._entries.get(name)
+        if entry is not None and entry.kind is not kind:
             raise IrsimGymError(
-                f"{self.family} '{name}' is registered twice: by {_path(known.kind)} and by {_path(kind)}"
+                f"{self.family} '{name}' is registered twice: by {_path(entry.kind)} and by {_path(kind)}"
             )
         self._entries[name] = Entry(name, kind)
 

@@ -44,7 +44,7 @@ def check(
     files: Annotated[list[str], typer.Argument(help=opt.HELP["check files"], autocompletion=cli_completion.scenarios)],
     team: Annotated[bool, typer.Option("--team", help=opt.HELP["check team"])] = False,
     task: opt.Task = None,
-    given: opt.Given = None,
+    settings: opt.Given = None,
     lenient: opt.Lenient = False,
     modules: opt.Imports = None,
 ) -> None:
@@ -58,7 +58,7 @@ def check(
     from irsim_gym.cli.work.check import check_files
     from irsim_gym.cli.work.trial import ReadOptions
 
-    if not check_files(files, ReadOptions(read_parameters(given), not lenient, task, team)):
+    if not check_files(files, ReadOptions(read_parameters(settings), not lenient, task, team)):
         raise typer.Exit(1)
 
 
@@ -68,15 +68,15 @@ def describe(
     task: opt.Task = None,
     as_json: Annotated[bool, typer.Option("--json", help=opt.HELP["describe as_json"])] = False,
     team: Annotated[bool, typer.Option("--team", help=opt.HELP["describe team"])] = False,
-    given: opt.Given = None,
+    settings: opt.Given = None,
     lenient: opt.Lenient = False,
     modules: opt.Imports = None,
 ) -> None:
     """Describe each number: observations by column, actions, rewards, endings, infos."""
     from irsim_gym.cli.work.describe import describe_scenario
 
-    asked = scenario_request(scenario, task, team, given, lenient)
-    describe_scenario(asked, as_json=as_json)
+    request = scenario_request(scenario, task, team, settings, lenient)
+    describe_scenario(request, as_json=as_json)
 
 
 app.command()(options)
@@ -100,7 +100,7 @@ def evaluate(
     overwrite: Annotated[bool, typer.Option("--overwrite", help=opt.HELP["evaluate overwrite"])] = False,
     references: Annotated[bool, typer.Option(help=opt.HELP["evaluate references"])] = True,
     team: opt.Team = False,
-    given: opt.Given = None,
+    settings: opt.Given = None,
     perturb: opt.Perturbed = None,
     shield: opt.Shield = None,
     lenient: opt.Lenient = False,
@@ -109,9 +109,9 @@ def evaluate(
     """Evaluate policies on unseen levels, beside random and dash; with --team, whole teams."""
     from irsim_gym.cli.work.commands import run_evaluation
 
-    asked = scenario_request(scenario, task, team, given, lenient, perturb, shield)
+    request = scenario_request(scenario, task, team, settings, lenient, perturb, shield)
     how: dict[str, Any] = {"out": out, "references": references, "overwrite": overwrite}
-    run_evaluation(asked, policies or [], levels=levels, split=split, **how)
+    run_evaluation(request, policies or [], levels=levels, split=split, **how)
 
 
 app.command()(arena)
@@ -131,7 +131,7 @@ def record(
     overwrite: opt.ReplaceFile = False,
     html: Annotated[bool, typer.Option("--html", help=opt.HELP["record html"])] = False,
     team: opt.Team = False,
-    given: opt.Given = None,
+    settings: opt.Given = None,
     perturb: opt.Perturbed = None,
     shield: opt.Shield = None,
     lenient: opt.Lenient = False,
@@ -143,8 +143,8 @@ def record(
     """
     from irsim_gym.cli.work.commands import run_record
 
-    asked = scenario_request(scenario, task, team, given, lenient, perturb, shield)
-    run_record(asked, policies, level or [0], split, out, "replay" if html else "film", overwrite=overwrite)
+    request = scenario_request(scenario, task, team, settings, lenient, perturb, shield)
+    run_record(request, policies, level or [0], split, out, "replay" if html else "film", overwrite=overwrite)
 
 
 @app.command()
@@ -202,14 +202,14 @@ def draw(
     split: opt.Split = "dev",
     task: opt.Task = None,
     out: Annotated[Path | None, typer.Option(help=opt.HELP["draw out"])] = None,
-    given: opt.Given = None,
+    settings: opt.Given = None,
     lenient: opt.Lenient = False,
     modules: opt.Imports = None,
 ) -> None:
     """Draw the start of a level, or write what stands in it as a map of ROS."""
     from irsim_gym.cli.work.inspection import draw_level
 
-    print(draw_level(scenario, level, split, task, out, read_parameters(given), not lenient))
+    print(draw_level(scenario, level, split, task, out, read_parameters(settings), not lenient))
 
 
 @app.command()
@@ -229,8 +229,8 @@ def warmup(
     worlds: list[tuple[str, Mapping[str, Any] | None]] = []
     for name in scenarios or scenario_names():
         of_suite = suite.chosen([name]) if name in suite.tiers or name in suite.members else []
-        worlds += [(one.scenario, one.parameters) for one in of_suite] or [(name, None)]
-    warm_up([ScenarioRequest(name, task, parameters=given, strict=not lenient) for name, given in worlds])
+        worlds += [(member.scenario, member.parameters) for member in of_suite] or [(name, None)]
+    warm_up([ScenarioRequest(name, task, parameters=settings, strict=not lenient) for name, settings in worlds])
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
@@ -247,8 +247,8 @@ def main(arguments: Sequence[str] | None = None) -> None:
     _guarded(arguments)
 
 
-def _print_version(wanted: bool) -> None:
-    if wanted:
+def _print_version(is_asked: bool) -> None:
+    if is_asked:
         from irsim_gym.base.version import __version__
 
         print(f"irsim_gym {__version__}")

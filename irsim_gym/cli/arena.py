@@ -23,7 +23,7 @@ def arena(
     overwrite: Annotated[bool, typer.Option("--overwrite", help=opt.HELP["arena overwrite"])] = False,
     replays: Annotated[int, typer.Option(min=0, help=opt.HELP["arena replays"])] = 200,
     team: opt.Team = False,
-    given: opt.Given = None,
+    settings: opt.Given = None,
     perturb: opt.Perturbed = None,
     lenient: opt.Lenient = False,
     modules: opt.Imports = None,
@@ -33,14 +33,14 @@ def arena(
     from irsim_gym.evaluation.arena.contest import arena as play
     from irsim_gym.evaluation.saved_policies.policy_places import cure_of
 
-    asked = scenario_request(scenario, task, team, given, lenient, perturb)
+    request = scenario_request(scenario, task, team, settings, lenient, perturb)
     if not policies:
         raise IrsimGymError(f"an arena needs policies\n{cure_of()}")
-    asked, methods, folder = requested_evaluation(asked, policies, split, out, overwrite, "arena")
+    request, methods, folder = requested_evaluation(request, policies, split, out, overwrite, "arena")
     chosen: dict[str, Any] = {"levels": levels, "split": split, "replays": replays, "overwrite": overwrite}
-    found = play(policies=methods, folder=folder, **vars(asked), **chosen)
-    print_evaluation(found.evaluation)
-    print(f"rows, figures and table: {folder}\npage: {found.page}")
+    contest = play(policies=methods, folder=folder, **vars(request), **chosen)
+    print_evaluation(contest.evaluation)
+    print(f"rows, figures and table: {folder}\npage: {contest.page}")
 
 
 def robustness(
@@ -55,7 +55,7 @@ def robustness(
     out: Annotated[Path | None, typer.Option(help=opt.HELP["robustness out"])] = None,
     overwrite: Annotated[bool, typer.Option("--overwrite", help=opt.HELP["robustness overwrite"])] = False,
     team: opt.Team = False,
-    given: opt.Given = None,
+    settings: opt.Given = None,
     perturb: opt.Perturbed = None,
     lenient: opt.Lenient = False,
     modules: opt.Imports = None,
@@ -67,9 +67,9 @@ def robustness(
     from irsim_gym.cli.work.commands import requested_evaluation
     from irsim_gym.evaluation.curves.robustness import robustness as play
 
-    asked = scenario_request(scenario, task, team, given, lenient, perturb)
-    asked, methods, folder = requested_evaluation(asked, policies, split, out, True, "robustness")
+    request = scenario_request(scenario, task, team, settings, lenient, perturb)
+    request, methods, folder = requested_evaluation(request, policies, split, out, True, "robustness")
     names = None if factors is None else factors.split(",")
     chosen: dict[str, Any] = {"levels": levels, "split": split, "overwrite": overwrite, "factors": names}
-    print(play(policies=methods, folder=folder, **vars(asked), **chosen))
+    print(play(policies=methods, folder=folder, **vars(request), **chosen))
     print(f"rows, tables and figure: {folder}")

@@ -50,5 +50,5 @@ def _files(incomplete: str) -> list[str]:
 
     folder, slash, _ = incomplete.rpartition("/")
     place = Path(folder or ("/" if slash else "."))
-    found = sorted(file.name for file in place.iterdir() if file.suffix in SUFFIXES) if place.is_dir() else []
-    return _beginning(incomplete, [f"{folder}{slash}{name}" for name in found])
+    names = sorted(file.name for file in place.iterdir() if file.suffix in SUFFIXES) if place.is_dir() else []
+    return _beginning(incomplete, [f"{folder}{slash}{name}" for name in names])

@@ -30,14 +30,14 @@ def draw(
     count: Count = 1000,
     task: opt.Task = None,
     team: opt.Team = False,
-    given: opt.Given = None,
+    settings: opt.Given = None,
     lenient: opt.Lenient = False,
     modules: opt.Imports = None,
 ) -> None:
     """Write levels to a file. Scenarios read it with `levels: FILE.npz`; NumPy can open it, too."""
     from irsim_gym.evaluation.levels.level_commands import run_draw
 
-    run_draw(scenario_request(scenario, task, team, given, lenient), split.split(","), count, out)
+    run_draw(scenario_request(scenario, task, team, settings, lenient), split.split(","), count, out)
 
 
 @levels.command()
@@ -49,7 +49,7 @@ def certify(
     count: Count = 1000,
     task: opt.Task = None,
     team: opt.Team = False,
-    given: opt.Given = None,
+    settings: opt.Given = None,
     lenient: opt.Lenient = False,
     modules: opt.Imports = None,
 ) -> None:
@@ -59,8 +59,8 @@ def certify(
     """
     from irsim_gym.evaluation.levels.level_commands import run_certify
 
-    wanted = scenario_request(scenario, task, team, given, lenient)
-    run_certify(wanted, split, count, policies or None, out)
+    request = scenario_request(scenario, task, team, settings, lenient)
+    run_certify(request, split, count, policies or None, out)
 
 
 @levels.command()
@@ -72,12 +72,12 @@ def show(
     count: Count = 1000,
     task: opt.Task = None,
     team: opt.Team = False,
-    given: opt.Given = None,
+    settings: opt.Given = None,
     lenient: opt.Lenient = False,
     modules: opt.Imports = None,
 ) -> None:
     """Draw levels into one picture, from the easiest to the hardest if they have a certificate."""
     from irsim_gym.evaluation.levels.level_sheet import show_levels
 
-    wanted = scenario_request(scenario, task, team, given, lenient)
-    print(show_levels(wanted, split, count, number, out))
+    request = scenario_request(scenario, task, team, settings, lenient)
+    print(show_levels(request, split, count, number, out))

@@ -34,7 +34,7 @@ def export(
     lag: Annotated[float, typer.Option(min=0.0, max=10.0, help=opt.HELP["export lag"])] = 0.0,
     levels: Annotated[int, typer.Option(min=1, max=opt.MOST_LEVELS, help=opt.HELP["export levels"])] = 50,
     task: opt.Task = None,
-    given: opt.Given = None,
+    settings: opt.Given = None,
     modules: opt.Imports = None,
 ) -> None:
     """Write a policy for a robot: one ONNX file from raw messages to commands, a contract, a driver and a check.
@@ -46,18 +46,18 @@ def export(
     from irsim_gym.evaluation.requests.scenario_request import ScenarioRequest
     from irsim_gym.robot.export import export_for_robot
 
-    if scenario is None and (given or task):
+    if scenario is None and (settings or task):
         raise IrsimGymError("--set and --task go with --scenario")
-    asked = None if scenario is None else ScenarioRequest(scenario, task, False, read_parameters(given))
+    request = None if scenario is None else ScenarioRequest(scenario, task, False, read_parameters(settings))
     how: dict[str, Any] = {"predict": predict, "period": period, "node": node, "bodies": bodies}
-    made = export_for_robot(policy, out, asked=asked, levels=levels, shield=shield, lag=lag, **how)
-    size = (made.folder / "policy.onnx").stat().st_size / 1000
-    if made.contract.seen_map:
+    result = export_for_robot(policy, out, request=request, levels=levels, shield=shield, lag=lag, **how)
+    size = (result.folder / "policy.onnx").stat().st_size / 1000
+    if result.contract.seen_map:
         print("not one file: way_on_seen_map, which perceive.py finds beside the graph")
     print(
-        f"{made.folder}: {made.n_nodes} nodes, {size:.0f} kB; needs {', '.join(made.contract.needs)}\n"
-        f"{made.n_commands:,} commands of {levels} levels differ by {made.difference:.1e} at most; "
-        f"{100 * made.contract.results.success:.1f} % solved"
+        f"{result.folder}: {result.n_nodes} nodes, {size:.0f} kB; needs {', '.join(result.contract.needs)}\n"
+        f"{result.n_commands:,} commands of {levels} levels differ by {result.difference:.1e} at most; "
+        f"{100 * result.contract.results.success:.1f} % solved"
     )
 
 
@@ -84,12 +84,12 @@ def fit(
     from irsim_gym.evaluation.protocol.tables import figure_table, print_table
     from irsim_gym.robot import fitting
 
-    asked = [fitting.read_values("--scanner", text, fitting.SCANNER) for text in scanner or ()]
-    asked += [fitting.read_values("--mount", text, fitting.MOUNT) for text in mount or ()]
-    asked += [{"period": one} for one in period or ()] + [{"radius": one} for one in radius or ()]
-    variants = [fitting.Variant(fitting.told(values), values) for values in asked]
+    changes = [fitting.read_values("--scanner", text, fitting.SCANNER) for text in scanner or ()]
+    changes += [fitting.read_values("--mount", text, fitting.MOUNT) for text in mount or ()]
+    changes += [{"period": value} for value in period or ()] + [{"radius": value} for value in radius or ()]
+    variants = [fitting.Variant(fitting.told(values), values) for values in changes]
     variants += [fitting.preset_variant(name) for name in robot or ()]
-    rows = [one.cells for one in fitting.fit(folder, variants, levels)]
+    rows = [row.cells for row in fitting.fit(folder, variants, levels)]
     print_table(figure_table(f"{folder}, {levels} test levels", ("robot", "success [%]", "fits"), rows))
     print(f"{folder / 'contract.json'} holds the tested values")
 
@@ -104,14 +104,14 @@ def write_bag(
     ] = 0,
     split: opt.Split = "test",
     task: opt.Task = None,
-    given: opt.Given = None,
+    settings: opt.Given = None,
     modules: opt.Imports = None,
 ) -> None:
     """Write an episode of the simulator as a bag of ROS 2: /scan, /odom, /goal_pose and /cmd_vel."""
     require("robot", "irsim-gym bag")
     from irsim_gym.robot.bags.write import write_bag
 
-    counts = write_bag(scenario_request(scenario, task, False, given, False), policy, out, level, split)
+    counts = write_bag(scenario_request(scenario, task, False, settings, False), policy, out, level, split)
     print(f"{out}: {', '.join(f'{count} {topic}' for topic, count in counts.items())}")
 
 
@@ -129,10 +129,10 @@ def check_bag(
     from irsim_gym.robot.bags.picture import draw_check
     from irsim_gym.robot.bags.read import read_bag
 
-    picture, found = out or Path(f"{file.stem}-check.png"), read_bag(file, read_topics(topics))
-    replay = check_bag(found, export, "zero" if zeros else "")
+    picture, bag = out or Path(f"{file.stem}-check.png"), read_bag(file, read_topics(topics))
+    replay = check_bag(bag, export, "zero" if zeros else "")
     draw_check(picture, replay, f"{file.name} through {export.name}")
-    print(*report(replay, found), picture, sep="\n")
+    print(*report(replay, bag), picture, sep="\n")
 
 
 @bag.command("fit")
@@ -142,5 +142,5 @@ def fit_bag(file: BagFile, topics: Topics = None, zeros: Zeros = False) -> None:
     from irsim_gym.robot.bags.fit import fit_bag, section
     from irsim_gym.robot.bags.read import read_bag
 
-    found = read_bag(file, read_topics(topics))
-    print(*section(fit_bag(found, "zero" if zeros else ""), found), sep="\n")
+    bag = read_bag(file, read_topics(topics))
+    print(*section(fit_bag(bag, "zero" if zeros else ""), bag), sep="\n")

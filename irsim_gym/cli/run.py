@@ -18,7 +18,7 @@ def run_by_itself(
     seed: Annotated[int, typer.Option(min=0, help=HELP["run_by_itself seed"])] = 0,
     out: Annotated[Path | None, typer.Option("--out", "--film", help=HELP["run_by_itself out"])] = None,
     overwrite: ReplaceFile = False,
-    given: Given = None,
+    settings: Given = None,
     lenient: Lenient = False,
     modules: Imports = None,
 ) -> None:
@@ -27,7 +27,7 @@ def run_by_itself(
     from irsim_gym.live.world import load
     from irsim_gym.scenario.reading.load import load_scenario
 
-    parameters = read_parameters(given)
+    parameters = read_parameters(settings)
     how: dict[str, Any] = {"strict": not lenient, "warn": False, "may_pend": True}
     report_together(lambda: _check_film(out, overwrite), lambda: load_scenario(scenario, parameters, **how))
     chosen: dict[str, Any] = {"record": out is not None, "strict": not lenient}

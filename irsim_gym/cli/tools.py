@@ -30,11 +30,11 @@ def print_shipped() -> None:
         print(f"{section} in {configs_folder() / section}")
         print(f"({note})")
         for name, file in names(section).items():
-            found = summarize_file(file)
-            robots = f"{found.robots} robots" if found.robots > 1 else ""
-            print(_row(f"  {name:<{width}}  {robots:<9}  ", found.about))
-            if found.parameters:
-                values = " ".join(f"--set {key}={value}" for key, value in found.parameters.items())
+            summary = summarize_file(file)
+            robots = f"{summary.robots} robots" if summary.robots > 1 else ""
+            print(_row(f"  {name:<{width}}  {robots:<9}  ", summary.about))
+            if summary.parameters:
+                values = " ".join(f"--set {key}={value}" for key, value in summary.parameters.items())
                 print(f"  {'':<{width}}  {'':<9}  {values}")
     print(f"tasks in {configs_folder() / 'tasks'}")
     for name, file in names("tasks").items():
@@ -79,15 +79,15 @@ def read_topics(settings: Sequence[str] | None) -> dict[str, str]:
 
 
 def _pairs(settings: Sequence[str] | None, option: str, form: str) -> dict[str, str]:
-    given: dict[str, str] = {}
+    pairs: dict[str, str] = {}
     for text in settings or ():
         name, equals, value = text.partition("=")
         if not equals or not name.strip():
             raise IrsimGymError(f"{option}: write {form}, got '{text}'")
-        if name.strip() in given:
+        if name.strip() in pairs:
             raise IrsimGymError(f"{option}: '{name.strip()}' is given twice")
-        given[name.strip()] = value.strip()
-    return given
+        pairs[name.strip()] = value.strip()
+    return pairs
 
 
 def read_parameters(
@@ -98,16 +98,16 @@ def read_parameters(
     Raises:
         IrsimGymError: If a setting is not of the form ``name=value``, a name appears twice, or it is not allowed.
     """
-    given: dict[str, Any] = _pairs(settings, "--set", "NAME=VALUE, e.g. --set n_robots=8")
-    if given or perturbed or shield:
+    parameters: dict[str, Any] = _pairs(settings, "--set", "NAME=VALUE, e.g. --set n_robots=8")
+    if parameters or perturbed or shield:
         from irsim_gym.scenario.reading.parameters import BESIDE, PERTURBED, SHIELDED, is_free
-    for name in given:
+    for name in parameters:
         if not is_free(name) and name not in BESIDE:
             raise IrsimGymError(
                 f"--set: '{name}' cannot be a parameter of a scenario, because it is an argument of environments"
             )
-    given |= {SHIELDED: shield} if shield else {}
-    return {**given, PERTURBED: "; ".join(perturbed)} if perturbed else given
+    parameters |= {SHIELDED: shield} if shield else {}
+    return {**parameters, PERTURBED: "; ".join(perturbed)} if perturbed else parameters
 
 
 def scenario_request(
@@ -150,9 +150,9 @@ def print_options(name: str) -> None:
         return
     tables = dict(option_tables())
     names = {title: {title, title.rsplit(" ", 1)[-1], *title.split(", ")} for title in tables}
-    chosen = [title for title, known in names.items() if name in known]
+    chosen = [title for title, titles in names.items() if name in titles]
     if not chosen:
-        near = suggestion(name, sorted({*set().union(*names.values()), *(one.family for one in every())}))
+        near = suggestion(name, sorted({*set().union(*names.values()), *(member.family for member in every())}))
         raise IrsimGymError(f"no section, kind or Markdown file named '{name}'{near}; `irsim-gym options` prints all")
     console = Console()
     for title in chosen:

@@ -41,7 +41,7 @@ def train(
     seeds: opt.Seeds = None,
     test_levels: opt.TestLevels = 1000,
     mixture: opt.Mixture = False,
-    given: opt.Given = None,
+    settings: opt.Given = None,
     perturb: opt.Perturbed = None,
     lenient: opt.Lenient = False,
     modules: opt.Imports = None,
@@ -57,7 +57,7 @@ def train(
     check_resumable(out if resume else None)
     mixed = requested_mixture(scenario, mixture)
     request = TrainingRequest(
-        *(scenario[0], algorithm, seed, steps, task, hyperparameters, team, read_parameters(given, perturb)),
+        *(scenario[0], algorithm, seed, steps, task, hyperparameters, team, read_parameters(settings, perturb)),
         *(not lenient, device, origin),
         changes=read_changes(changes),
         until=until,
@@ -88,7 +88,7 @@ def tune(
     device: opt.Device = None,
     dev_levels: Annotated[int, typer.Option(min=1, help=opt.HELP["tune dev_levels"])] = 300,
     team: opt.TeamMode = None,
-    given: opt.Given = None,
+    settings: opt.Given = None,
     lenient: opt.Lenient = False,
     modules: opt.Imports = None,
     workers: Annotated[int, typer.Option(min=1, max=10_000, help=opt.HELP["tune workers"])] = 1,
@@ -102,7 +102,7 @@ def tune(
     from irsim_gym.training.requests.training_request import TrainingRequest
     from irsim_gym.training.searches.tuning import run_tuning
 
-    parameters = read_parameters(given)
+    parameters = read_parameters(settings)
     request = TrainingRequest(
         *(scenario[0], algorithm, seed, steps, task, hyperparameters, team, parameters, not lenient, device),
         changes=read_changes(changes),

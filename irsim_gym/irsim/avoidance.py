@@ -62,13 +62,13 @@ class reciprocal_vel_obs:  # noqa: N801
         """
         if mode not in ("rvo", "hrvo", "vo"):
             raise ValueError(f"mode must be 'rvo', 'hrvo' or 'vo', got {mode!r}")
-        own, options = list(map(float, self.state[:7])), Rvo(**{**self._options, "mode": mode})
+        numbers, options = list(map(float, self.state[:7])), Rvo(**{**self._options, "mode": mode})
         rounds = np.zeros(len(self.obs_state_list), DISC)
         for disc, row in zip(rounds, self.obs_state_list, strict=True):
             seen = [*row[:2], 0.0, 0.0, row[2]] if len(row) == 3 else row
             disc["x"], disc["y"], disc["vx"], disc["vy"], disc["radius"] = map(float, seen[:5])
         sides = np.asarray(self.line_obs_list, np.float64).reshape(-1, 4)
-        return list(map(float, free_velocity(options, Ego(*own[:5]), (own[5], own[6]), rounds, sides)))
+        return list(map(float, free_velocity(options, Ego(*numbers[:5]), (numbers[5], numbers[6]), rounds, sides)))
 
 
 def OmniRVO(  # noqa: N802

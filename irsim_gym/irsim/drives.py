@@ -112,9 +112,9 @@ def register_kinematics(name: str) -> Callable[[C], C]:
     def register(written: C) -> C:
         if not (inspect.isclass(written) and issubclass(written, KinematicsHandler)):
             raise TypeError(f"kinematics '{name}': must be a class derived from KinematicsHandler, got {written!r}")
-        own: dict[str, Any] = {"command_names": COMMAND_NAMES[: written.action_dim], "handler": written}
-        own |= {"own_options": staticmethod(more_options), "takes_more": True}
-        families.KINEMATICS.register(name, make_kind("kinematics", name, written, ClassDrive, {}, **own))
+        options: dict[str, Any] = {"command_names": COMMAND_NAMES[: written.action_dim], "handler": written}
+        options |= {"own_options": staticmethod(more_options), "takes_more": True}
+        families.KINEMATICS.register(name, make_kind("kinematics", name, written, ClassDrive, {}, **options))
         return written
 
     return register
@@ -128,9 +128,9 @@ class ClassDrive(PythonDrive):
     def begin(group: Group, model: Model, state: State, shard: Shard) -> None:
         """Write the members' twists from their initial velocities."""
         for w, _, ego, options in members(group, model, state, shard):
-            own, pose, velocity = _handler(group.kind, ego, options), *_columns(group, state, w, ego.id)
+            handler, pose, velocity = _handler(group.kind, ego, options), *_columns(group, state, w, ego.id)
             with noting(group.kind, f"'{ego.name}'", state, w):
-                state.twist[w, ego.id, :2] = numbers(group.kind, ego.name, 2, own.velocity_to_xy(pose, velocity))
+                state.twist[w, ego.id, :2] = numbers(group.kind, ego.name, 2, handler.velocity_to_xy(pose, velocity))
             state.twist[w, ego.id, 2] = 0.0
 
     @staticmethod
@@ -138,10 +138,10 @@ class ClassDrive(PythonDrive):
         """Move the members that are free to move, and write the twists with which they have."""
         dt = float(model.step_time[0])
         for w, _, ego, options in members(group, model, state, shard):
-            own, pose, velocity = _handler(group.kind, ego, options), *_columns(group, state, w, ego.id)
+            handler, pose, velocity = _handler(group.kind, ego, options), *_columns(group, state, w, ego.id)
             before = state.pose[w, ego.id].copy()
             with noting(group.kind, f"'{ego.name}'", state, w):
-                moved = numbers(group.kind, ego.name, 3, np.ravel(own.step(pose, velocity, dt))[:3])
+                moved = numbers(group.kind, ego.name, 3, np.ravel(handler.step(pose, velocity, dt))[:3])
             if not state.stopped[w, ego.id]:
                 state.pose[w, ego.id, :2] = moved[:2]
                 state.pose[w, ego.id, 2] = wrap_from(moved[2], model.heading_low[ego.id])
@@ -155,16 +155,16 @@ def _columns(group: Group, state: State, w: int, b: int) -> tuple[Floats, Floats
     return state.pose[w, b].reshape(3, 1).copy(), state.velocity[w, b, :size].reshape(size, 1).copy()
 
 
-def _handler(made: Any, ego: EgoView, options: dict[str, Any]) -> KinematicsHandler:
+def _handler(kind: Any, ego: EgoView, options: dict[str, Any]) -> KinematicsHandler:
     """Return a body's instance, which its first call in an episode makes."""
     if HANDLER not in ego.memory:
-        given = {"noise": False, "alpha": None, **options}
-        tau = given.get("tau")
-        if "tau" not in inspect.signature(made.handler).parameters:
-            given.pop("tau", None)
-        with noting(made, f"'{ego.name}'", ego._now, ego._w):
-            own = made.handler(made.registered[1], given.pop("noise"), given.pop("alpha"), **given)
-        own.tau = tau
-        ego.memory[HANDLER] = own
-    found: KinematicsHandler = ego.memory[HANDLER]
-    return found
+        arguments = {"noise": False, "alpha": None, **options}
+        tau = arguments.get("tau")
+        if "tau" not in inspect.signature(kind.handler).parameters:
+            arguments.pop("tau", None)
+        with noting(kind, f"'{ego.name}'", ego._now, ego._w):
+            result = kind.handler(kind.registered[1], arguments.pop("noise"), arguments.pop("alpha"), **arguments)
+        result.tau = tau
+        ego.memory[HANDLER] = result
+    handler: KinematicsHandler = ego.memory[HANDLER]
+    return handler

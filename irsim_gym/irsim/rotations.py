@@ -17,8 +17,8 @@ TURN = 2.0 * math.pi
 
 def _finite(angle: ArrayLike) -> Floats:
     """Return angles with 0 for those that are not finite, as IR-SIM reads them."""
-    given = np.asarray(angle, np.float64)
-    return np.where(np.isfinite(given), given, 0.0)
+    angles = np.asarray(angle, np.float64)
+    return np.where(np.isfinite(angles), angles, 0.0)
 
 
 def _like(angle: Floats) -> Any:

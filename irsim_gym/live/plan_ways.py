@@ -60,8 +60,8 @@ def plan(
         raise ValueError(f"clearance must be >= 0 [m], got {clearance!r}")
     model = world.simulation.model
     if radius is None:
-        own = world.simulation.body(world.robot.name if robot is None else world[robot].name)
-        radius = float(model.reach[0, own])
+        body = world.simulation.body(world.robot.name if robot is None else world[robot].name)
+        radius = float(model.reach[0, body])
     size = float(radius) + clearance
     way = world.path(start, goal, size, resolution=resolution)
     if way is None:
@@ -73,8 +73,8 @@ def _why(world: World, radius: float, start: tuple[float, float], goal: tuple[fl
     """Return why a disc has no path."""
     model, state = world.simulation.model, world.simulation.state
     for name, (x, y) in (("start", start), ("goal", goal)):
-        found = blocking_bodies(model, state, 0, radius, (x, y), fixed_bodies(model, 0))
-        names = ", ".join("the obstacle map" if b is None else f"'{world.simulation.parts.names[b]}'" for b in found)
+        blocking = blocking_bodies(model, state, 0, radius, (x, y), fixed_bodies(model, 0))
+        names = ", ".join("the obstacle map" if b is None else f"'{world.simulation.parts.names[b]}'" for b in blocking)
         if names:
             return f"the {name} ({x:g}, {y:g}) is nearer than {radius:g} m to {names}"
         x_min, y_min, x_max, y_max = model.bounds

@@ -81,12 +81,12 @@ class World:
         columns: bool = False,
         **others: object,
     ) -> None:
-        asked = read_arguments(render_mode, others)
+        arguments = read_arguments(render_mode, others)
         self._levels = LevelSource(
-            asked.file if scenario is None else scenario, seed, strict=strict, asked=asked, columns=columns
+            arguments.file if scenario is None else scenario, seed, strict=strict, arguments=arguments, columns=columns
         )
         self._session = self._levels.session
-        self._status = RunStatus(self._session, has_window=asked.render_mode == "human")
+        self._status = RunStatus(self._session, has_window=arguments.render_mode == "human")
         self._info = WorldInfo(self._session, self._status)
         self._population = Population(self._session, self._status)
         self._messages = WorldMessages(self._session, self._status, self._population)
@@ -103,7 +103,7 @@ class World:
             "figure": lambda: self.save_figure(f"{self.name}_{self.count:04d}"),
         }
         self._viewer = Viewer(
-            self._session, self._status, self._camera, asked.render_mode, keys, needs_window=render_mode == "human"
+            self._session, self._status, self._camera, arguments.render_mode, keys, needs_window=render_mode == "human"
         )
         self._media = MediaWriter(
             self._session,
@@ -112,10 +112,10 @@ class World:
             self._viewer,
             record=record,
             save_at_end=save_ani,
-            options=asked.film,
+            options=arguments.film,
         )
-        if asked.log_level is not None:
-            self.logger.setLevel(asked.log_level)
+        if arguments.log_level is not None:
+            self.logger.setLevel(arguments.log_level)
         self._levels.begin()
         self._begin(self.scenario.world.status)
 

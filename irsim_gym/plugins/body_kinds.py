@@ -89,10 +89,10 @@ class FunctionSteeredDrive(FunctionDrive):
     @staticmethod
     def steer(group: Group, model: Model, state: State, shard: Shard) -> None:
         """Turn velocities in ``state.command`` into commands."""
-        size, known = len(group.kind.command_names), group.kind.steer_options
+        size, keys = len(group.kind.command_names), group.kind.steer_options
         for w, _, ego, options in members(group, model, state, shard):
-            wanted, own = state.command[w, ego.id, :2].copy(), {key: options[key] for key in known}
-            command = answer(group.kind, ego, size, group.kind.steering, (wanted,), own)
+            target, values = state.command[w, ego.id, :2].copy(), {key: options[key] for key in keys}
+            command = answer(group.kind, ego, size, group.kind.steering, (target,), values)
             state.command[w, ego.id] = 0.0
             if not state.stopped[w, ego.id]:
                 state.command[w, ego.id, :size] = command
@@ -136,21 +136,21 @@ class FunctionPlacement:
 
 def _place(group: Group, model: Model, state: State, ego: Any, options: dict[str, Any]) -> bool:
     """Write a start, and a goal where the placement gives one; return whether both are free."""
-    w, b, made = ego._w, ego.id, group.kind
-    everyone, own = np.arange(len(model.role)), np.array([b])
+    w, b, kind = ego._w, ego.id, group.kind
+    everyone, body = np.arange(len(model.role)), np.array([b])
     placed = np.flatnonzero(state.placed[w] & model.present[w]).tolist()
     for _ in range(TRIES):
         others = [BodyView(group, model, state, w, other) for other in placed]
-        with noting(made, f"'{ego.name}'", state, w):
-            found = made.function(ego, others, **options)
+        with noting(kind, f"'{ego.name}'", state, w):
+            found = kind.function(ego, others, **options)
             if found is None:
                 return False
-            poses = numbers(made, ego.name, 6 if made.gives_goal else 3, found).reshape(-1, 3)
+            poses = numbers(kind, ego.name, 6 if kind.gives_goal else 3, found).reshape(-1, 3)
         state.pose[w, b] = poses[0]
-        outlines.place(own, model, state, Shard(np.array([w])))
+        outlines.place(body, model, state, Shard(np.array([w])))
         if not is_start_free(w, b, everyone, 0.0, model, state, model.cells):
             continue
-        if made.gives_goal and model.has_goal[b]:
+        if kind.gives_goal and model.has_goal[b]:
             model.waypoints[w, b, 0] = poses[1]
             if not is_goal_free(w, b, 0, 0.0, model, state, model.cells):
                 continue
@@ -212,18 +212,18 @@ def drive(
     names = tuple(command)
     if isinstance(command, str) or len(names) not in (2, 3):
         raise ValueError(f"kinematics '{name}': command must be two or three names, got {command!r}")
-    given: dict[str, Any] = {"command_names": names}
+    members: dict[str, Any] = {"command_names": names}
     if mirrored_command:
-        given["mirrored_command"] = tuple(map(tuple, mirrored_command))
+        members["mirrored_command"] = tuple(map(tuple, mirrored_command))
     if steer is None:
-        return registering(families.KINEMATICS, name, FunctionDrive, ("ego", "command"), **given)
+        return registering(families.KINEMATICS, name, FunctionDrive, ("ego", "command"), **members)
     parameters = function_parameters("steer of kinematics", name, steer)
-    taken = tuple(one.name for one in parameters if one.kind is one.KEYWORD_ONLY)
-    plain = [one for one in parameters if one.kind in (one.POSITIONAL_ONLY, one.POSITIONAL_OR_KEYWORD)]
+    taken = tuple(item.name for item in parameters if item.kind is item.KEYWORD_ONLY)
+    plain = [item for item in parameters if item.kind in (item.POSITIONAL_ONLY, item.POSITIONAL_OR_KEYWORD)]
     if len(plain) != 2 or len(plain) + len(taken) != len(parameters):
         raise TypeError(f"steer of kinematics '{name}': the parameters must be ego, velocity, a '*', and the options")
-    given |= {"steering": staticmethod(steer), "steer_options": taken}
-    register = registering(families.KINEMATICS, name, FunctionSteeredDrive, ("ego", "command"), **given)
+    members |= {"steering": staticmethod(steer), "steer_options": taken}
+    register = registering(families.KINEMATICS, name, FunctionSteeredDrive, ("ego", "command"), **members)
 
     def check_and_register(function: F) -> F:
         missing = set(taken) - set(inspect.signature(function).parameters)

@@ -49,28 +49,28 @@ def answer(
         return numbers(kind, ego.name, size, function(ego, *arguments, **options))
 
 
-def numbers(kind: Any, whose: str, size: int, given: Any) -> Floats:
+def numbers(kind: Any, whose: str, size: int, answer: Any) -> Floats:
     """Return ``size`` numbers as an array.
 
     Raises:
         KindError: They are not that many, or no numbers.
     """
     try:
-        found = np.asarray(given, np.float64).ravel()
+        row = np.asarray(answer, np.float64).ravel()
     except (TypeError, ValueError):
-        found = np.zeros(0)
-    if given is None or len(found) != size:
+        row = np.zeros(0)
+    if answer is None or len(row) != size:
         many = "one number" if size == 1 else f"{size} numbers"
-        raise KindError(f"{kind.called} must return {many} for '{whose}', got {given!r}")
-    return found
+        raise KindError(f"{kind.called} must return {many} for '{whose}', got {answer!r}")
+    return row
 
 
 def members(
     group: Group, model: Model, state: State, shard: Shard
 ) -> Iterator[tuple[int, int, EgoView, dict[str, Any]]]:
     """Yield world, number, view and options of each member that is there, world by world."""
-    own = [group.kind.own_options(options) for options in group.options]
+    values = [group.kind.own_options(options) for options in group.options]
     for w in shard.worlds.tolist():
         for k, b in enumerate(group.members.tolist()):
             if model.present[w, b]:
-                yield w, k, ego_view(group, model, state, w, b), own[k]
+                yield w, k, ego_view(group, model, state, w, b), values[k]

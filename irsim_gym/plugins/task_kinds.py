@@ -89,8 +89,8 @@ class FunctionTerm:
             term.arrays["memory"][w, episode.began[w]] = None
 
 
-def asked(
-    term: Term, moment: tuple[Model, State, EpisodeState], shard: Shard, sizes: Sequence[int], *given: Any
+def answers(
+    term: Term, moment: tuple[Model, State, EpisodeState], shard: Shard, sizes: Sequence[int], *inputs: Any
 ) -> Iterator[tuple[int, int, Floats]]:
     """Yield world, agent and the function's answer, world by world.
 
@@ -99,12 +99,12 @@ def asked(
         sizes: How many numbers the function returns for each agent.
         *given: Arrays ``(n_worlds, n_agents, ...)`` whose rows the function is called with, after the agent.
     """
-    options, made = term.options.own_options(term.options), type(term.options)
+    options, kind = term.options.own_options(term.options), type(term.options)
     for w in shard.worlds.tolist():
         for a, size in enumerate(sizes):
             ego = AgentView(term, *moment, (w, a))
-            arguments = [rows[w, a] for rows in given]
-            yield w, a, answer(made, ego, size, made.function, arguments, options)
+            arguments = [rows[w, a] for rows in inputs]
+            yield w, a, answer(kind, ego, size, kind.function, arguments, options)
 
 
 @kind
@@ -118,9 +118,9 @@ class FunctionAction(FunctionTerm):
         """Keep the latest action and write the function's, cut to [-1, 1]."""
         episode.previous_action[shard.worlds] = episode.action[shard.worlds]
         sizes, moment = term.action_sizes.tolist(), (model, state, episode)
-        given = episode.choice if term.options.n_choices else episode.given
-        for w, a, found in asked(term, moment, shard, sizes, given):
-            episode.action[w, a, : sizes[a]] = np.clip(found, -1.0, 1.0)
+        actions = episode.choice if term.options.n_choices else episode.given
+        for w, a, row in answers(term, moment, shard, sizes, actions):
+            episode.action[w, a, : sizes[a]] = np.clip(row, -1.0, 1.0)
 
 
 @kind
@@ -142,8 +142,8 @@ class FunctionObservation(FunctionTerm):
     def write(term: Term, model: Model, state: State, episode: EpisodeState, shard: Shard) -> None:
         """Write the function's numbers."""
         size, moment = term.options.size, (model, state, episode)
-        for w, a, found in asked(term, moment, shard, [size] * len(term.agents)):
-            episode.observation[w, a, term.column : term.column + size] = found
+        for w, a, row in answers(term, moment, shard, [size] * len(term.agents)):
+            episode.observation[w, a, term.column : term.column + size] = row
 
 
 @kind
@@ -160,8 +160,8 @@ class FunctionReward(FunctionTerm):
     @staticmethod
     def pay(term: Term, model: Model, state: State, episode: EpisodeState, shard: Shard) -> None:
         """Pay what the function returns, times the weight."""
-        for w, a, found in asked(term, (model, state, episode), shard, [1] * len(term.agents)):
-            episode.reward_term[w, a, term.column] = term.options.weight * found[0]
+        for w, a, row in answers(term, (model, state, episode), shard, [1] * len(term.agents)):
+            episode.reward_term[w, a, term.column] = term.options.weight * row[0]
 
 
 @kind
@@ -174,8 +174,8 @@ class FunctionEnding(FunctionTerm):
     @staticmethod
     def ends(term: Term, model: Model, state: State, episode: EpisodeState, shard: Shard) -> None:
         """End where the function says so."""
-        for w, a, found in asked(term, (model, state, episode), shard, [1] * len(term.agents)):
-            episode.ending[w, a, term.column] = found[0] != 0.0
+        for w, a, row in answers(term, (model, state, episode), shard, [1] * len(term.agents)):
+            episode.ending[w, a, term.column] = row[0] != 0.0
 
 
 def action(name: str, *, n_choices: int = 0) -> Callable[[F], F]:
@@ -231,8 +231,8 @@ def observation(
         IrsimGymError: The name is taken.
     """
     told = None if needs is None else tuple(needs)
-    given: dict[str, Any] = {"size": size, "low": low, "high": high, "needs_goal": needs_goal, "needs": told}
-    return registering(families.OBSERVATIONS, name, FunctionObservation, ("ego",), **given)
+    members: dict[str, Any] = {"size": size, "low": low, "high": high, "needs_goal": needs_goal, "needs": told}
+    return registering(families.OBSERVATIONS, name, FunctionObservation, ("ego",), **members)
 
 
 def reward(
@@ -261,8 +261,8 @@ def reward(
         TypeError: The function's parameters are not as above.
         IrsimGymError: The name is taken.
     """
-    given = {"role": role, "outcome": outcome, "needs_goal": needs_goal, "needs_ending": needs_ending}
-    return registering(families.REWARDS, name, FunctionReward, ("ego",), **given)
+    members = {"role": role, "outcome": outcome, "needs_goal": needs_goal, "needs_ending": needs_ending}
+    return registering(families.REWARDS, name, FunctionReward, ("ego",), **members)
 
 
 def ending(name: str, *, outcome: Ended, needs_goal: bool = False) -> Callable[[F], F]:

@@ -42,10 +42,10 @@ class Driver:
             self.shield = runpy.run_path(str(Path(contract).with_name("shield.py")))["Shield"](self.contract)
         self.forget()
 
-    def forget(self, *kept: str) -> None:
+    def forget(self, *names: str) -> None:
         """Begin anew, as for a new goal."""
         for name, state in self.contract["states"].items():
-            if name not in kept:
+            if name not in names:
                 self.states[name] = np.full([1, *state["shape"]], np.array(state["start"], float), state["dtype"])
         if self.map:
             self.map.forget()
@@ -57,9 +57,9 @@ class Driver:
         lost = SCANS["lost_beams"](msg, self.no_return)
         ranges[lost | (ranges > msg.range_max)], ranges[ranges == -np.inf] = np.inf, 0.0
         self.ranges = SCANS["as_beams"](ranges[None], (msg.angle_min, step), self.mount, self.own)
-        found = {"beams": size, "range_max": msg.range_max, "field_of_view": abs(step) * max(size - 1, 0)}
-        found["x"], found["y"], found["turn"] = self.mount
-        self.scan_fault, self.note = SCANS["compared"](found, self.own, abs(step))
+        scanner = {"beams": size, "range_max": msg.range_max, "field_of_view": abs(step) * max(size - 1, 0)}
+        scanner["x"], scanner["y"], scanner["turn"] = self.mount
+        self.scan_fault, self.note = SCANS["compared"](scanner, self.own, abs(step))
         self.scan_time, self.seen = SCANS["seconds"](msg.header.stamp), (msg, ranges, lost, self.velocity)
         if size and lost.mean() > self.contract["stop"]["lost_beams"]:
             self.scan_fault = f"{lost.mean():.0%} of the beams are lost"
@@ -81,14 +81,14 @@ class Driver:
 
     def goal(self, msg: Any) -> None:
         """Take a geometry_msgs/PoseStamped as the goal; a new place begins anew."""
-        found = SCANS["pose"](msg.pose)
-        if self.way is None or np.any(found[0, :2] != self.way[-1, :2]):
+        pose = SCANS["pose"](msg.pose)
+        if self.way is None or np.any(pose[0, :2] != self.way[-1, :2]):
             self.forget("action", "pending")
-        self.way, self.goal_frame = found, msg.header.frame_id
+        self.way, self.goal_frame = pose, msg.header.frame_id
 
     def path(self, msg: Any) -> None:
         """Take a nav_msgs/Path: the goal is its point ``ahead`` metres on, at last its end."""
-        self.way = np.concatenate([SCANS["pose"](one.pose) for one in msg.poses]) if msg.poses else None
+        self.way = np.concatenate([SCANS["pose"](stamped.pose) for stamped in msg.poses]) if msg.poses else None
         self.goal_frame = msg.header.frame_id
 
     def tick(self, now: float) -> tuple[Any, ...]:
@@ -104,10 +104,10 @@ class Driver:
         goal, waited = self.way[[beyond[0] if len(beyond) else -1]], np.array([[elapsed if elapsed < np.inf else 0.0]])
         values = {"ranges": self.ranges, "pose": self.pose, "velocity": self.velocity, "goal": goal, "elapsed": waited}
         way = {"way_on_seen_map": self.map.way(self.ranges[0], self.pose[0], goal[0])[None]} if self.map else {}
-        known = {**values, **way, **self.states, "bodies": self.others}
-        given = {name: known[name] for name in self.contract["inputs"]}
-        found, *after = self.session.run(["command", *(f"{name}_next" for name in self.states)], given)
-        command, robot = found[0].astype(float), self.contract["robot"]
+        every = {**values, **way, **self.states, "bodies": self.others}
+        inputs = {name: every[name] for name in self.contract["inputs"]}
+        outputs, *after = self.session.run(["command", *(f"{name}_next" for name in self.states)], inputs)
+        command, robot = outputs[0].astype(float), self.contract["robot"]
         if not np.isfinite(command).all():
             self.good_scans, self.has_fault = 0, True
             return self._still("the command is not finite")

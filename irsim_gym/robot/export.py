@@ -96,7 +96,7 @@ def export_for_robot(
     *,
     predict: float = 0.0,
     period: float | None = None,
-    asked: ScenarioRequest | None = None,
+    request: ScenarioRequest | None = None,
     levels: int = LEVELS,
     node: str | None = None,
     bodies: str | None = None,
@@ -110,7 +110,7 @@ def export_for_robot(
         folder: Where to; it must not hold an export yet.
         predict: Time from a measurement until a new command acts [s], which the graph bridges; 0 for none.
         period: Time from one command to the next on the robot [s]; None for that of the training.
-        asked: The scenario with the robot and its scanner; None for that of the training.
+        request: The scenario with the robot and its scanner; None for that of the training.
         levels: Number of ``test`` levels that are played by both.
         node: ``ros1`` or ``ros2``: a package of it is written around the export; None for none.
         bodies: ``tracked``: the robot's own tracker gives other bodies as discs; None for policies without them.
@@ -125,29 +125,29 @@ def export_for_robot(
     loaded = load_policy(source)
     if not isinstance(loaded, SavedPolicy):
         raise IrsimGymError(f"'{source}' is no trained policy: behaviors plan in the simulator, and cannot leave")
-    is_own, asked = asked is None, asked or _trained_in(source, loaded)
-    name, guard = policy_names([source])[0], _shield_form(asked, shield, predict, lag)
-    played = _played(asked, loaded, min(levels, LEVELS))
+    is_own, request = request is None, request or _trained_in(source, loaded)
+    name, guard = policy_names([source])[0], _shield_form(request, shield, predict, lag)
+    played = _played(request, loaded, min(levels, LEVELS))
     loaded.check(played)
     network = _network(loaded)
     graph = policy_graph(network, played, name)
-    discs = _among_discs(played, asked, loaded, bodies)
+    discs = _among_discs(played, request, loaded, bodies)
     compared = ComparedPolicy(loaded, graph, loaded.perception)
     results = results_of(compared, discs, levels)
     _check_difference(compared, name)
-    own = float(played.simulation.model.step_time[0])
-    period, samples = period or own, compared.samples
+    step = float(played.simulation.model.step_time[0])
+    period, samples = period or step, compared.samples
     if predict > 0.0:
         graph = policy_graph(network, played, name, predict=predict, period=period)
         ahead = ComparedPolicy(GraphPolicy(graph), graph)
-        results, samples = _late_results(ahead, round(predict / own), played, levels), ahead.samples
+        results, samples = _late_results(ahead, round(predict / step), played, levels), ahead.samples
     elif discs is not played:
         results = results_of(GraphPolicy(graph), played, levels)
-    contents, hashes = _sealed(graph, samples, scenario_hash(asked), policy_digest(source) or "")
+    contents, hashes = _sealed(graph, samples, scenario_hash(request), policy_digest(source) or "")
     form = {"policy": name, "predict": predict, "results": results, **_form(played, graph, samples, period)}
     if is_own and discs is played and predict == 0.0:
         form |= _known_form(loaded)
-    contract = RobotContract(hashes=hashes, scenario=_scenario_form(asked), shield=guard, **form)
+    contract = RobotContract(hashes=hashes, scenario=_scenario_form(request), shield=guard, **form)
     _write(folder, contract, contents, played, node)
     return RobotExport(contract, compared.n_commands, compared.most, graph.n_nodes, folder)
 
@@ -158,12 +158,12 @@ def _check_target(folder: Path, node: str | None, bodies: str | None) -> None:
         raise IrsimGymError(f"--bodies: there is no '{bodies}': write tracked")
     if bodies and node:
         raise IrsimGymError("--node: the nodes hear no tracker: leave it out, and call Driver.bodies in your own")
-    known = [name for name in FILES if (folder / name).exists()]
-    if known:
-        raise IrsimGymError(f"--out: {folder} holds {known[0]} already: choose another folder, or remove it")
+    present = [name for name in FILES if (folder / name).exists()]
+    if present:
+        raise IrsimGymError(f"--out: {folder} holds {present[0]} already: choose another folder, or remove it")
 
 
-def _among_discs(played: Episodes, asked: ScenarioRequest, policy: SavedPolicy, bodies: str | None) -> Episodes:
+def _among_discs(played: Episodes, request: ScenarioRequest, policy: SavedPolicy, bodies: str | None) -> Episodes:
     """Return worlds in which a tracker gives all that the policy sees of others; often the same.
 
     Raises:
@@ -174,19 +174,19 @@ def _among_discs(played: Episodes, asked: ScenarioRequest, policy: SavedPolicy, 
         return played
     if bodies is None:
         raise UnfitForRobotError(f"observation '{seen[0]}' needs bodies ({NEEDS['bodies']}): add '--bodies tracked'")
-    loaded = asked.load(warn=False)
+    loaded = request.load(warn=False)
     scenario = among_discs(loaded, played)
     if scenario is loaded:
         return played
-    among = _played(replace(asked, scenario=scenario, parameters=None), policy, played.n_worlds)
+    among = _played(replace(request, scenario=scenario, parameters=None), policy, played.n_worlds)
     among.limit(min(LONG_ENOUGH, among.task.max_steps))
     return among
 
 
-def _played(asked: ScenarioRequest, policy: SavedPolicy, n_worlds: int) -> Episodes:
+def _played(request: ScenarioRequest, policy: SavedPolicy, n_worlds: int) -> Episodes:
     """Return worlds for a policy without disturbances from outside, predictions and shields: a robot has its own."""
-    kept = {name: value for name, value in (asked.parameters or {}).items() if name != PERTURBED}
-    played = Perceived(replace(asked, parameters=kept).episodes(n_worlds)).of(policy)
+    parameters = {name: value for name, value in (request.parameters or {}).items() if name != PERTURBED}
+    played = Perceived(replace(request, parameters=parameters).episodes(n_worlds)).of(policy)
     own = replace(played.task, predict=False, shield=None)
     return played if own == played.task else Episodes(played.simulation, own)
 
@@ -218,8 +218,8 @@ def _trained_in(source: str, policy: SavedPolicy) -> ScenarioRequest:
     """
     card = policy.model.card if isinstance(policy.model, ShelfPolicy) else None
     if card is not None:
-        own = card.scenario
-        return ScenarioRequest(own.name, own.task, own.team is not None, own.parameters)
+        scenario = card.scenario
+        return ScenarioRequest(scenario.name, scenario.task, scenario.team is not None, scenario.parameters)
     run = run_of(policy_file(source))
     if run.exists():
         return run.own_settings().request()
@@ -327,17 +327,19 @@ def _start(start: NDArray[Any]) -> Any:
     return start.tolist()
 
 
-def scenario_hash(asked: ScenarioRequest) -> str:
+def scenario_hash(request: ScenarioRequest) -> str:
     """Return the hash of a scenario and its task."""
-    form = _scenario_form(asked)
+    form = _scenario_form(request)
     return take_snapshot(form.name, form.task, form.parameters).digest
 
 
-def _scenario_form(asked: ScenarioRequest) -> ScenarioForm:
+def _scenario_form(request: ScenarioRequest) -> ScenarioForm:
     """Return how a contract names a scenario."""
-    assert isinstance(asked.scenario, str), "the command line, a card or a run names it"
-    assert asked.task is None or isinstance(asked.task, str)
-    return ScenarioForm(name=asked.scenario, task=asked.task, team=asked.team, parameters=dict(asked.parameters or {}))
+    assert isinstance(request.scenario, str), "the command line, a card or a run names it"
+    assert request.task is None or isinstance(request.task, str)
+    return ScenarioForm(
+        name=request.scenario, task=request.task, team=request.team, parameters=dict(request.parameters or {})
+    )
 
 
 def _sealed(

@@ -32,8 +32,8 @@ class GraphRunner:
         options = onnxruntime.SessionOptions()
         options.intra_op_num_threads = 1
         self._session = onnxruntime.InferenceSession(graph.content, options, providers=["CPUExecutionProvider"])
-        self.names = [one.name for one in self._session.get_inputs()]
-        self._outputs = [one.name for one in self._session.get_outputs()]
+        self.names = [tensor.name for tensor in self._session.get_inputs()]
+        self._outputs = [tensor.name for tensor in self._session.get_outputs()]
         self._starts = graph.starts
         self.states = {name: np.stack([start] * n_robots) for name, start in graph.starts.items()}
         self._maps = [SeenMap(graph.perceives) for _ in range(n_robots)] if graph.perceives else []
@@ -45,17 +45,17 @@ class GraphRunner:
         for robot in robots if self._maps else ():
             self._maps[robot].forget()
 
-    def run(self, given: Measured, robots: Ints) -> NDArray[Any]:
+    def run(self, inputs: Measured, robots: Ints) -> NDArray[Any]:
         """Return the commands of some robots in SI units, ``(n, n_components)``, and keep their states.
 
         Args:
-            given: All inputs, see ``inputs``.
+            inputs: All inputs, see ``inputs``.
             robots: The numbers of the robots, shape ``(n,)``.
         """
-        found = dict(zip(self._outputs, self._session.run(None, given), strict=True))
-        for name, kept in self.states.items():
-            kept[robots] = found[f"{name}_next"]
-        return np.asarray(found["command"])
+        outputs = dict(zip(self._outputs, self._session.run(None, inputs), strict=True))
+        for name, state in self.states.items():
+            state[robots] = outputs[f"{name}_next"]
+        return np.asarray(outputs["command"])
 
     def inputs(self, values: Measured, robots: Ints) -> Measured:
         """Return all inputs of the graph, after adding scans to maps; once in a step.
@@ -64,10 +64,10 @@ class GraphRunner:
             values: What these robots measure, by the names of the inputs, ``(n, ...)``.
             robots: Their numbers, shape ``(n,)``.
         """
-        every = {**values, **{name: kept[robots] for name, kept in self.states.items()}}
+        every = {**values, **{name: state[robots] for name, state in self.states.items()}}
         if self._maps:
             seen = zip(robots, *(values[name] for name in ("ranges", "pose", "goal")), strict=True)
-            every["way_on_seen_map"] = np.stack([self._maps[robot].way(*known) for robot, *known in seen])
+            every["way_on_seen_map"] = np.stack([self._maps[robot].way(*seen) for robot, *seen in seen])
         return {name: every[name] for name in self.names}
 
 
@@ -108,16 +108,16 @@ class GraphPolicy:
         actions = []
         for agent in range(episodes.n_agents):
             robots, values = worlds * episodes.n_agents + agent, self._measure(episodes, agent)
-            given = self._runner.inputs({name: rows[worlds] for name, rows in values.items()}, robots)
-            self._runner.run(given, robots)
+            inputs = self._runner.inputs({name: rows[worlds] for name, rows in values.items()}, robots)
+            self._runner.run(inputs, robots)
             actions.append(self._runner.states["action"][robots])
-        found = np.stack(actions, axis=1).astype(np.float64)
+        commands = np.stack(actions, axis=1).astype(np.float64)
         if self._limits is not None:
-            found = rescaled(found, self._limits, limits_of(episodes))
+            commands = rescaled(commands, self._limits, limits_of(episodes))
         if not episodes.n_discrete:
-            return found
+            return commands
         grid: Floats = episodes.terms["action"][0].arrays["grid"][0]
-        return np.asarray(np.abs(found[:, :, None] - grid).sum(axis=3).argmin(axis=2))
+        return np.asarray(np.abs(commands[:, :, None] - grid).sum(axis=3).argmin(axis=2))
 
 
 class DelayedPolicy:
@@ -203,19 +203,19 @@ class ComparedPolicy:
         return actions
 
     def _keep(self, rows: Mapping[str, NDArray[Any]]) -> None:
-        for name, found in rows.items():
-            known = self.samples.get(name, found[:0])
-            self.samples[name] = np.concatenate([known, found])[: self.n_samples]
+        for name, new in rows.items():
+            earlier = self.samples.get(name, new[:0])
+            self.samples[name] = np.concatenate([earlier, new])[: self.n_samples]
 
 
 def commands_of(episodes: Episodes, actions: NDArray[Any], values: Measured) -> Floats:
     """Return the commands in the robot's frame that follow from the first agent's actions, ``(n, n_components)``."""
     low, high = limits_of(episodes)
     if episodes.n_discrete:
-        asked = episodes.terms["action"][0].arrays["grid"][0][actions.reshape(len(actions), episodes.n_agents)[:, 0]]
+        commands = episodes.terms["action"][0].arrays["grid"][0][actions.reshape(len(actions), episodes.n_agents)[:, 0]]
     else:
-        asked = np.clip(actions.reshape(len(actions), episodes.n_agents, -1)[:, 0], -1.0, 1.0)
-    return np.asarray(0.5 * (low + high) + asked.astype(np.float64) * (0.5 * (high - low)))
+        commands = np.clip(actions.reshape(len(actions), episodes.n_agents, -1)[:, 0], -1.0, 1.0)
+    return np.asarray(0.5 * (low + high) + commands.astype(np.float64) * (0.5 * (high - low)))
 
 
 def rescaled(actions: Floats, before: tuple[Floats, Floats], now: tuple[Floats, Floats]) -> Floats:

@@ -30,19 +30,19 @@ def scanner_of(episodes: Episodes, agent: int = 0) -> tuple[Any, Rays, Floats] |
 
     Ranges [m] are ``(n_worlds, n_beams)``, angles [rad] ``(n_beams,)`` in the frame of the sensor.
     """
-    found = episodes.simulation.scan(episodes.task.agents[agent])
-    if found is None:
+    scanner = episodes.simulation.scan(episodes.task.agents[agent])
+    if scanner is None:
         return None
-    group, member = found
+    group, member = scanner
     return group.options[member], group.arrays["ranges"][:, member], group.arrays["angles"]
 
 
 def scanner_form(episodes: Episodes) -> Scanner | None:
     """Return what a contract says of the first agent's range sensor; None without one."""
-    found = scanner_of(episodes)
-    if found is None:
+    scanner = scanner_of(episodes)
+    if scanner is None:
         return None
-    options, _, angles = found
+    options, _, angles = scanner
     view, n_beams = float(angles[-1] - angles[0]), len(angles)
     return Scanner(
         beams=n_beams,
@@ -59,8 +59,8 @@ def scanner_form(episodes: Episodes) -> Scanner | None:
 
 def seen_map_form(episodes: Episodes) -> SeenMapForm | None:
     """Return what a contract says of the map on which the first agent finds its way; None without one."""
-    found = (term.arrays for term in episodes.terms["observations"] if isinstance(term.options, WayOnSeenMap))
-    ways = next(found, None)
+    arrays = (term.arrays for term in episodes.terms["observations"] if isinstance(term.options, WayOnSeenMap))
+    ways = next(arrays, None)
     if ways is None:
         return None
     grid, model = ways.seen.grid, episodes.simulation.model
@@ -123,8 +123,8 @@ def tracked(episodes: Episodes, agent: int = 0) -> Floats:
         x, y [m], their velocity [m/s] and their radius [m], ``(n_worlds, n, 5)``; NaN where there is none. The disc of
         another outline encloses it. Outlines that stay where they start, such as walls, are left out.
     """
-    model, state, own = episodes.simulation.model, episodes.simulation.state, episodes.task.agents[agent]
-    discs, is_free = is_disc(model), ~model.unobstructed & (np.arange(len(model.stands)) != own)
+    model, state, body = episodes.simulation.model, episodes.simulation.state, episodes.task.agents[agent]
+    discs, is_free = is_disc(model), ~model.unobstructed & (np.arange(len(model.stands)) != body)
     bodies = np.flatnonzero(is_free & (~model.stands | (discs & (not sees_moving_only(episodes)))))
     places = np.concatenate([state.pose[:, :, :2], np.broadcast_to(model.reach, state.stopped.shape)[:, :, None]], 2)
     places[:, discs] = state.discs[:, model.disc_start[discs]]

@@ -29,23 +29,23 @@ def network_graph(policy: ShelfPolicy, graph: Graph, seen: Mapping[str, Value]) 
         after = _gru(features, before.cast(np.float64), policy.memory)
         graph.keep("memory", after.cast(np.float32))
         features = graph.join([features, after])
-    found = _applied(policy.trunk, policy.trunk_arrays, features)
+    outputs = _applied(policy.trunk, policy.trunk_arrays, features)
     if policy.output == "argmax":
-        return found.op("ArgMax", np.int64, axis=1, keepdims=0)
+        return outputs.op("ArgMax", np.int64, axis=1, keepdims=0)
     assert isinstance(policy.action_space, Box)
     low, high = policy.action_space.low.astype(np.float64), policy.action_space.high.astype(np.float64)
     if policy.output == "squash":
-        found = (found.op("Tanh") + 1.0) * (0.5 * (high - low)) + low
-    return found.between(low, high)
+        outputs = (outputs.op("Tanh") + 1.0) * (0.5 * (high - low)) + low
+    return outputs.between(low, high)
 
 
 def _applied(steps: Sequence[Options], arrays: Sequence[Arrays], seen: Value) -> Value:
-    found = seen.cast(np.float64)
-    for step, own in zip(steps, arrays, strict=True):
+    outputs = seen.cast(np.float64)
+    for step, layer in zip(steps, arrays, strict=True):
         if step["kind"] not in STEPS:
             raise IrsimGymError(f"a network with the step '{step['kind']}' cannot leave: it takes no pictures")
-        found = STEPS[step["kind"]](found, own, step)
-    return found
+        outputs = STEPS[step["kind"]](outputs, layer, step)
+    return outputs
 
 
 def _stored(value: Value, array: Floats) -> Value:
@@ -61,12 +61,12 @@ def _dense(rows: Value, weight: Floats, bias: Floats) -> Value:
 
 def _gru(rows: Value, memory: Value, arrays: Arrays) -> Value:
     """Return the next memory; see ``array_network.gru_cell``."""
-    given = _dense(rows, arrays["weight_ih"], arrays["bias_ih"])
-    known = _dense(memory, arrays["weight_hh"], arrays["bias_hh"])
+    inputs = _dense(rows, arrays["weight_ih"], arrays["bias_ih"])
+    recurrent = _dense(memory, arrays["weight_hh"], arrays["bias_hh"])
     size = arrays["weight_hh"].shape[1]
-    both = (given + known).columns(0, 2 * size).op("Sigmoid")
+    both = (inputs + recurrent).columns(0, 2 * size).op("Sigmoid")
     reset, update = both.columns(0, size), both.columns(size, 2 * size)
-    new = (given.columns(2 * size, 3 * size) + reset * known.columns(2 * size, 3 * size)).op("Tanh")
+    new = (inputs.columns(2 * size, 3 * size) + reset * recurrent.columns(2 * size, 3 * size)).op("Tanh")
     return (1.0 - update) * new + update * memory
 
 

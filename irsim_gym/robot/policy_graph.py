@@ -81,8 +81,8 @@ def policy_graph(
         graph.keep("pending", graph.join([pending.columns(1, n_pending), command.spread(1)]))
     graph.keep("action", action.cast(np.float32))
     graph.output("command", command.cast(np.float32), len(low))
-    found = graph.model(name)
-    return PolicyGraph(found.SerializeToString(), graph.starts, len(found.graph.node), perceived_by(episodes))
+    proto = graph.model(name)
+    return PolicyGraph(proto.SerializeToString(), graph.starts, len(proto.graph.node), perceived_by(episodes))
 
 
 def perceived_by(episodes: Episodes) -> dict[str, Any] | None:
@@ -125,9 +125,9 @@ def _seen(episodes: Episodes, robot: RobotValues) -> dict[str, Value]:
     return {key: robot.graph.join(columns) for key, columns in parts.items()}
 
 
-def _action(found: Value, episodes: Episodes) -> Value:
+def _action(output: Value, episodes: Episodes) -> Value:
     """Return the action in [-1, 1], float64."""
     if not episodes.n_discrete:
-        return found.between(-1.0, 1.0)
-    grid = found.graph.constant(episodes.terms["action"][0].arrays["grid"][0])
-    return found.graph.op("Gather", [grid, found], np.float64, axis=0)
+        return output.between(-1.0, 1.0)
+    grid = output.graph.constant(episodes.terms["action"][0].arrays["grid"][0])
+    return output.graph.op("Gather", [grid, output], np.float64, axis=0)

@@ -85,10 +85,10 @@ def _ranges_from(robot: RobotValues, episodes: Episodes, moved: tuple[Value, Val
     length = (robot.ranges < far).where((ahead * ahead + left * left).op("Sqrt"), far)
     within = between_edges(ahead, left, _edges(angles) + mount_turn)
     nearest = within.where(length.spread(1), np.inf).smallest(2)
-    found, order = nearest.between(options.range_min, far), np.arange(len(angles))
+    ranges, order = nearest.between(options.range_min, far), np.arange(len(angles))
     # A beam between two points that have moved apart reads what its neighbours do.
-    beside = found.take(np.maximum(order - 1, 0)).least(found.take(np.minimum(order + 1, len(angles) - 1)))
-    return (nearest < np.inf).where(found, beside)
+    beside = ranges.take(np.maximum(order - 1, 0)).least(ranges.take(np.minimum(order + 1, len(angles) - 1)))
+    return (nearest < np.inf).where(ranges, beside)
 
 
 def _edges(angles: Floats) -> Floats:

@@ -63,18 +63,18 @@ def fault(found: Any, form: dict[str, Any], forms: dict[str, Any], key: str = ""
     return ""
 
 
-def as_beams(ranges: Any, angles: tuple[float, float], mount: Any, own: dict[str, Any]) -> Any:
+def as_beams(ranges: Any, angles: tuple[float, float], mount: Any, scanner: dict[str, Any]) -> Any:
     """Return scans (n, size) as the contract's beams see them, (n, n_beams): of each beam's share the shortest range.
 
     The scanner is mounted at (x, y, turn), and its beams look at angles: the first one's, and the step to the next.
     """
-    n_beams, share, (n, size) = own["beams"], own["step"] or 2.0 * np.pi, ranges.shape
-    looks = (angles[0] + angles[1] * np.arange(size) + mount[2] - own["mount"][2])[None]
-    if (mount[0], mount[1]) != tuple(own["mount"][:2]):
-        shift = (complex(*mount[:2]) - complex(*own["mount"][:2])) * np.exp(-1j * own["mount"][2])
+    n_beams, share, (n, size) = scanner["beams"], scanner["step"] or 2.0 * np.pi, ranges.shape
+    looks = (angles[0] + angles[1] * np.arange(size) + mount[2] - scanner["mount"][2])[None]
+    if (mount[0], mount[1]) != tuple(scanner["mount"][:2]):
+        shift = (complex(*mount[:2]) - complex(*scanner["mount"][:2])) * np.exp(-1j * scanner["mount"][2])
         ends = np.minimum(ranges, 1e6) * np.exp(1j * looks) + shift
         ranges, looks = np.where(np.isfinite(ranges), np.abs(ends), ranges), np.angle(ends)
-    looks = looks - own["first"]
+    looks = looks - scanner["first"]
     outside = (looks < -0.5 * share) | (looks >= (n_beams - 0.5) * share)
     places = np.where(outside, np.remainder(looks + 0.5 * share, 2.0 * np.pi) / share - 0.5, looks / share)
     beams = np.broadcast_to(np.rint(places).astype(int), (n, size))
@@ -90,24 +90,24 @@ def as_beams(ranges: Any, angles: tuple[float, float], mount: Any, own: dict[str
     return seen
 
 
-def compared(found: dict[str, float], own: dict[str, Any], step: float) -> tuple[str, str]:
+def compared(mounted: dict[str, float], scanner: dict[str, Any], step: float) -> tuple[str, str]:
     """Return why a scanner is refused, and how one that was tested differs from that of the training; empty if not.
 
     It is described by beams, range_max [m], field_of_view [rad] and its mount: x, y [m], turn [rad]; step is the angle
     between its beams [rad].
     """
-    spans, known = dict(own["tested"]), {**own, "field_of_view": own["step"] * (own["beams"] - 1)}
+    spans, trained = dict(scanner["tested"]), {**scanner, "field_of_view": scanner["step"] * (scanner["beams"] - 1)}
     for k, name in enumerate(("x", "y", "turn")):
-        spans[name], known[name] = own["mounts"][k], own["mount"][k]
+        spans[name], trained[name] = scanner["mounts"][k], scanner["mount"][k]
     slacks = {**{name: 0.01 * spans[name][1] for name in ("beams", "range_max")}, "field_of_view": step + 0.01}
     fault, notes = "", []
     for name, (low, high) in spans.items():
-        slack, value = slacks.get(name, 0.01), found[name]
+        slack, value = slacks.get(name, 0.01), mounted[name]
         text = f"scanner: {name} {value:.4g}, tested from {low:.4g} to {high:.4g}"
         if not low - slack <= value <= high + slack:
             fault = fault or text
-        elif abs(value - known[name]) > slack:
-            notes.append(f"{text}, trained with {known[name]:.4g}")
+        elif abs(value - trained[name]) > slack:
+            notes.append(f"{text}, trained with {trained[name]:.4g}")
     return fault, "; ".join(notes)
 
 

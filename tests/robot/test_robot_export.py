@@ -113,7 +113,7 @@ def test_nothing_is_written_where_the_graph_differs(tmp_path: Path, monkeypatch:
 def test_what_a_task_predicts_is_left_to_the_graph(tmp_path: Path) -> None:
     late = {"predict": "0.3", "disturbances": "latency:time=0.3"}
     found = export_for_robot(
-        "cluttered_room", tmp_path / "out", asked=ScenarioRequest("cluttered_room", parameters=late)
+        "cluttered_room", tmp_path / "out", request=ScenarioRequest("cluttered_room", parameters=late)
     )
     assert found.difference <= 1e-5
     assert found.contract.predict == 0.0
@@ -127,7 +127,7 @@ def test_a_latency_of_the_scenario_delays_a_predicting_policy_once(tmp_path: Pat
     file = tmp_path / "late.yaml"
     file.write_text(yaml.safe_dump(data), encoding="utf-8")
     asked = ScenarioRequest(str(file))
-    late = export_for_robot("cluttered_room", tmp_path / "out", predict=0.3, asked=asked, levels=20).contract
+    late = export_for_robot("cluttered_room", tmp_path / "out", predict=0.3, request=asked, levels=20).contract
     assert late.results.success > 0.9
     again, _ = fit(tmp_path / "out", [Variant("more beams", {"beams": 200})], levels=20)
     assert again.results == late.results

@@ -106,9 +106,9 @@ class Restoring:
         """Return what makes libraries: this object."""
         return self
 
-    def unserialize_library(self, kept: Any) -> Any:
+    def unserialize_library(self, serialized: Any) -> Any:
         """Make the library."""
-        return self._restore(self._target.codegen(), kept)
+        return self._restore(self._target.codegen(), serialized)
 
     def __getattr__(self, name: str) -> Any:
         return getattr(self._target, name)
@@ -129,14 +129,14 @@ class KernelCache:
     def in_turn(self, make: Callable[[Any], Any]) -> Callable[[Any], Any]:
         """Return Numba's function that loads or compiles, so that it releases the lock of the file at its end."""
 
-        def made(signature: Any) -> Any:
+        def maker(signature: Any) -> Any:
             # ``load_overload`` takes the file's lock, and ``make`` compiles if it found nothing: both within this call.
             with global_compiler_lock, ExitStack() as turn:
                 self._turns.append(turn)
                 turn.callback(self._turns.pop)
                 return make(signature)
 
-        return made
+        return maker
 
     @property
     def cache_path(self) -> str:
@@ -155,19 +155,19 @@ class KernelCache:
         elif self._allocates:
             rtsys.initialize(target)
         file = self._files.file(signature, target.codegen())
-        found = self._restored(file, signature, target)
-        if found is None and self._turns:
+        overload = self._restored(file, signature, target)
+        if overload is None and self._turns:
             self._turns[-1].enter_context(self._files.lock(file))
-            found = self._restored(file, signature, target)  # another process may have written it by now
-        return found
+            overload = self._restored(file, signature, target)  # another process may have written it by now
+        return overload
 
     def _restored(self, file: Path, signature: Any, target: Any) -> Any:
         content = self._files.read(file)
         if content is None:
             return None
         try:
-            kept = pickle.loads(content)
-            compiled = CompileResult._rebuild(Restoring(target, self._restore) if self._restore else target, *kept)
+            parts = pickle.loads(content)
+            compiled = CompileResult._rebuild(Restoring(target, self._restore) if self._restore else target, *parts)
         except (OSError, pickle.UnpicklingError, ImportError, AttributeError):
             return None
         # A guard against equal digests of different types.

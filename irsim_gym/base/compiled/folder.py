@@ -76,8 +76,8 @@ def _cache_roots() -> list[Path]:
     except RuntimeError:  # there is no home directory
         user = _temporary_root()
     roots = [PACKAGE / "__pycache__", user / "irsim_gym", _temporary_root()]
-    given: str = config.CACHE_DIR
-    return [Path(given), *roots] if given else roots
+    configured: str = config.CACHE_DIR
+    return [Path(configured), *roots] if configured else roots
 
 
 def _temporary_root() -> Path:

@@ -30,9 +30,9 @@ def functions_of(function: FunctionType) -> dict[FunctionType, str]:
     described: dict[FunctionType, str] = {}
     left = [function]
     while left:
-        one = left.pop()
-        if one not in described:
-            described[one], called = _description(one)
+        callee = left.pop()
+        if callee not in described:
+            described[callee], called = _description(callee)
             left += called
     return described
 
@@ -40,7 +40,7 @@ def functions_of(function: FunctionType) -> dict[FunctionType, str]:
 def type_key(kind: Any) -> str:
     """Return a text that identifies one of Numba's types: the type's own name lacks the names of a tuple's fields."""
     fields = getattr(kind, "fields", None)
-    inside = [type_key(one) for one in kind.types] if hasattr(kind, "types") else []
+    inside = [type_key(member) for member in kind.types] if hasattr(kind, "types") else []
     return f"{kind} {fields if isinstance(fields, tuple) else ''} {inside}" if fields or inside else str(kind)
 
 
@@ -86,9 +86,9 @@ def _value(value: Any, names: set[str], called: list[FunctionType]) -> Iterator[
         yield value.__name__
         if value.__name__.split(".")[0] not in VERSIONED:
             for name in sorted(names & vars(value).keys()):
-                found = vars(value)[name]
-                if not isinstance(found, ModuleType) or found.__name__.startswith(f"{value.__name__}."):
-                    yield from _value(found, names, called)
+                attribute = vars(value)[name]
+                if not isinstance(attribute, ModuleType) or attribute.__name__.startswith(f"{value.__name__}."):
+                    yield from _value(attribute, names, called)
     elif isinstance(value, type):
         yield f"{value.__module__}.{value.__qualname__} {getattr(value, '_fields', '')}"
         yield repr(getattr(value, "__members__", ""))

@@ -56,16 +56,16 @@ def open_private(file: Path) -> int:
     return descriptor
 
 
-def may_be_run(path: Path, found: os.stat_result) -> bool:
+def may_be_run(path: Path, status: os.stat_result) -> bool:
     """Return whether a file or folder belongs to this user and nobody else may write it; warn if not."""
     if not HAS_OWNERS:
         return True
-    if stat.S_ISLNK(found.st_mode):
+    if stat.S_ISLNK(status.st_mode):
         reason = "is a link"
-    elif found.st_uid != os.getuid():
-        reason = f"belongs to another user (uid {found.st_uid})"
-    elif found.st_mode & (stat.S_IWGRP | stat.S_IWOTH):
-        reason = f"may be written by others (mode {stat.S_IMODE(found.st_mode):04o})"
+    elif status.st_uid != os.getuid():
+        reason = f"belongs to another user (uid {status.st_uid})"
+    elif status.st_mode & (stat.S_IWGRP | stat.S_IWOTH):
+        reason = f"may be written by others (mode {stat.S_IMODE(status.st_mode):04o})"
     else:
         return True
     warnings.warn(

@@ -131,8 +131,8 @@ class Kernel:
             from irsim_gym.base.compiled.cache import keep_on_disk
 
             restore, options = hooked()
-            given: Any = {**self._options, "no_cfunc_wrapper": True, **options}
-            dispatcher: Any = numba.njit(**given)(self._function)
+            settings: Any = {**self._options, "no_cfunc_wrapper": True, **options}
+            dispatcher: Any = numba.njit(**settings)(self._function)
             keep_on_disk(dispatcher, form, restore)
         except Exception as error:
             hooks.give_up(f"failed with {type(error).__name__}: {error}")
@@ -143,7 +143,7 @@ class Kernel:
     def _compile(self, dispatcher: Any, compile_hooked: Callable[[Any], Any], signature: Any) -> Any:
         """Compile or load the code for a signature; in Numba's plain way where the hooks fail."""
         # Numba compiles a kernel once more for each number that a caller writes out.
-        signature = tuple(unliteral(one) for one in signature)
+        signature = tuple(unliteral(kind) for kind in signature)
         if hooks.are_usable():
             try:
                 return compile_hooked(signature)

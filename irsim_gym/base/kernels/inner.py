@@ -31,14 +31,14 @@ class InnerLibrary(Library):  # type: ignore[misc]
     codegen = _NoEngine
 
     @classmethod
-    def restore(cls, generator: Any, kept: Any) -> Self:
+    def restore(cls, generator: Any, serialized: Any) -> Self:
         """Make a library from what is on disk, without the machine code that Numba would make of it.
 
         Args:
             generator: Numba's code generator.
-            kept: From ``serialize_using_object_code``.
+            serialized: From ``serialize_using_object_code``.
         """
-        name, _, bitcode = kept
+        name, _, bitcode = serialized
         library = cls(generator, name)
         # Numba would optimise the module and emit machine code here; linking needs neither.
         library._final_module = binding.parse_bitcode(bitcode)

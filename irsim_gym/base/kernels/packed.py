@@ -95,17 +95,17 @@ class PackedEntries:
         files, file = place
         # The file's name tells the entry from all others; its folder is left out, because it may be moved.
         name = f"packed_{hashlib.blake2b(file.name.encode(), digest_size=10).hexdigest()}"
-        found = _load(generator, name, files.read(file))
+        entry = _load(generator, name, files.read(file))
         # Found without the lock; the second look below finds what another process wrote while this one waited.
-        if found is not None:
-            return found
+        if entry is not None:
+            return entry
         with files.lock(file, waits=waits) as is_held:
-            found = _load(generator, name, files.read(file))
-            if found is not None or not (waits or is_held):
-                return found
-            address, made = self._compile(signature, layout, name)
-            if made is not None:
-                files.write(file, made)
+            entry = _load(generator, name, files.read(file))
+            if entry is not None or not (waits or is_held):
+                return entry
+            address, code = self._compile(signature, layout, name)
+            if code is not None:
+                files.write(file, code)
         return address
 
     def _compile(self, signature: tuple[Any, ...], layout: str, name: str) -> tuple[int, bytes | None]:
@@ -154,11 +154,11 @@ class PackedLibrary(Library):  # type: ignore[misc]
         """Add the kernel and its packed entry."""
         # The function with a body is the kernel. By Numba's calling convention, its first two arguments are the places
         # for the returned value and for an exception.
-        kernel = next(one for one in ir_module.functions if not one.is_declaration)
+        kernel = next(item for item in ir_module.functions if not item.is_declaration)
         kernel.attributes.add("alwaysinline")
         super().add_ir_module(ir_module)
-        given = ["ptr" if one.type.is_pointer else str(one.type) for one in kernel.args]
-        self._final_module.link_in(binding.parse_assembly(entry_code(self.name, kernel.name, given, self._layout)))
+        types = ["ptr" if item.type.is_pointer else str(item.type) for item in kernel.args]
+        self._final_module.link_in(binding.parse_assembly(entry_code(self.name, kernel.name, types, self._layout)))
         self._final_module.get_function(kernel.name).linkage = "internal"
 
     def _optimize_functions(self, ll_module: Any) -> None:
@@ -168,7 +168,7 @@ class PackedLibrary(Library):  # type: ignore[misc]
     def _finalize_final_module(self) -> None:
         """Load the code as Numba does, and note whether it reads an environment, which holds Python objects."""
         # Every definition mentions its name once; a further mention is code that reads it.
-        environments = [one.name for one in self._final_module.global_variables if one.name.startswith(ENVIRONMENT)]
+        environments = [item.name for item in self._final_module.global_variables if item.name.startswith(ENVIRONMENT)]
         reads = environments and str(self._final_module).count(ENVIRONMENT) > len(environments)
         super()._finalize_final_module()
         self.is_bound = bool(reads or self._dynamic_globals)

@@ -47,7 +47,7 @@ class EntryCompiler(Compiler):  # type: ignore[misc]
                 needless, lowering, manager._ENFORCING = NEEDLESS | {"IRLegalization"}, KERNEL_LOWERING, False
             state.typingctx = Typing(state.typingctx)
             passes = {
-                lowering.get(one.__name__, one): why for one, why in manager.passes if one.__name__ not in needless
+                lowering.get(step.__name__, step): why for step, why in manager.passes if step.__name__ not in needless
             }
             manager.passes[:] = passes.items()
             manager.finalize()

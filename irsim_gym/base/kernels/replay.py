@@ -180,11 +180,11 @@ def _identity(value: Any) -> Hashable:
     return None
 
 
-def _entry(called: Kernel, given: tuple[Any, ...], layout: str, compile_ahead: Callable[[], None] | None) -> int:
+def _entry(called: Kernel, types: tuple[Any, ...], layout: str, compile_ahead: Callable[[], None] | None) -> int:
     """Return the address of a packed entry, 0 where the kernel returns a value."""
     if hooks.are_usable():
         try:
-            return called.packed.address(given, layout, compile_ahead)
+            return called.packed.address(types, layout, compile_ahead)
         except NumbaError:
             raise  # in the kernel, which cannot be compiled at all
         except Exception as error:
@@ -206,9 +206,9 @@ def _enter(context: Any, entry: Any, where: Any, count: Any) -> Any:
         row, *rest = arguments
         table = build.inttoptr(row, WORD.as_pointer())
         address, packed = (build.load(build.gep(table, [ir.Constant(WORD, k)])) for k in (0, 1))
-        made = ir.FunctionType(STATUS, [WORD.as_pointer(), WORD, WORD])
+        entry_type = ir.FunctionType(STATUS, [WORD.as_pointer(), WORD, WORD])
         pointer = build.inttoptr(packed, WORD.as_pointer())
-        return build.call(build.inttoptr(address, made.as_pointer()), [pointer, *rest])
+        return build.call(build.inttoptr(address, entry_type.as_pointer()), [pointer, *rest])
 
     return types.int32(types.int64, types.int64, types.int64), generate
 

@@ -52,10 +52,10 @@ class Struct:
 
     def _pack(self) -> tuple[StructType, int]:
         declared: Any = dataclasses.fields(self)  # type: ignore[arg-type]
-        values = {one.name: getattr(self, one.name) for one in declared}
+        values = {entry.name: getattr(self, entry.name) for entry in declared}
         kinds = tuple((name, numba_type(value, typeof.Purpose.argument)) for name, value in values.items())
         kind = StructType(type(self).__name__, kinds)
-        words = array("q", [word for name, one in kinds for _, word in words_of(one, values[name])])
+        words = array("q", [word for name, kind in kinds for _, word in words_of(kind, values[name])])
         # Earlier blocks stay: a recorded call may still hold their addresses.
         self.__dict__.setdefault("_blocks", []).append(words)
         return kind, words.buffer_info()[0]
@@ -76,20 +76,20 @@ class StructType(types.Type):
         self.fields = dict(fields)
         self.places: dict[str, int] = {}
         for field in self.fields:
-            self.places[field] = sum(n_words(self.fields[one]) for one in self.places)
+            self.places[field] = sum(n_words(self.fields[earlier]) for earlier in self.places)
         # Numba puts the name into the symbols of all kernels, so it is short.
         digest = hashlib.blake2b(repr(fields).encode(), digest_size=8).hexdigest()
         super().__init__(name=f"{name}_{digest}")
 
-    def word(self, build: Any, block: Any, name: str, k: int, wanted: Any) -> Any:
+    def word(self, build: Any, block: Any, name: str, k: int, kind: Any) -> Any:
         """Load a word of a field. Nobody writes into a block while a kernel runs: loads may move out of loops."""
         if k < 2 and isinstance(self.fields[name], types.Array):
-            return ir.Constant(wanted, None)  # owner and parent: there are none
-        is_narrow = isinstance(wanted, ir.IntType)
+            return ir.Constant(kind, None)  # owner and parent: there are none
+        is_narrow = isinstance(kind, ir.IntType)
         place = build.gep(build.bitcast(block, WORD.as_pointer()), [ir.Constant(WORD, self.places[name] + k)])
-        word = build.load(place if is_narrow else build.bitcast(place, wanted.as_pointer()))
+        word = build.load(place if is_narrow else build.bitcast(place, kind.as_pointer()))
         word.set_metadata("invariant.load", build.module.add_metadata(()))
-        return build.trunc(word, wanted) if is_narrow and wanted != WORD else word
+        return build.trunc(word, kind) if is_narrow and kind != WORD else word
 
     def part(self, context: Any, build: Any, block: Any, name: str, k: int, axis: int = 0) -> Any:
         """Load a part of an array: the one at place ``k`` of Numba's form, of an axis for shape and strides."""
@@ -129,8 +129,8 @@ class _FieldTypes(Template):  # type: ignore[misc]
 def _load(context: Any, build: Any, kind: StructType, block: Any, name: str) -> Any:
     """Load a field."""
     packer = context.get_arg_packer([kind.fields[name]])
-    wanted = packer.argument_types
-    words = [kind.word(build, block, name, k, one) for k, one in enumerate(wanted)]
+    argument_types = packer.argument_types
+    words = [kind.word(build, block, name, k, one) for k, one in enumerate(argument_types)]
     return packer.from_arguments(build, tuple(words))[0]
 
 
@@ -143,7 +143,7 @@ def n_words(kind: Any) -> int:
     if isinstance(kind, types.Array):
         return 5 + 2 * int(kind.ndim)
     inside: Any = kind
-    return sum([n_words(one) for one in inside.types]) if isinstance(kind, types.BaseTuple) else 1
+    return sum([n_words(member) for member in inside.types]) if isinstance(kind, types.BaseTuple) else 1
 
 
 def words_of(kind: Any, value: Any) -> Words:
@@ -184,5 +184,5 @@ def record_type(numbers: str, lanes: int | None = None, **others: Any) -> np.dty
         **others: Types of further fields by name.
     """
     number = np.dtype(np.float64) if lanes is None else np.dtype((np.float64, lanes))
-    made: Any = np.dtype((np.record, [*((name, number) for name in numbers.split()), *others.items()]))
-    return made  # type: ignore[no-any-return]
+    record: Any = np.dtype((np.record, [*((name, number) for name in numbers.split()), *others.items()]))
+    return record  # type: ignore[no-any-return]

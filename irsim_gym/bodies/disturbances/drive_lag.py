@@ -53,9 +53,9 @@ def lag_behind(worlds: Ints, disturbed: Disturbed, share: Floats, model: Model, 
             if disturbed.count[w, k] == 0:
                 share[w, k] = share_of(tau, model)
             for axis in range(3):
-                asked, now = state.command[w, b, axis], state.velocity[w, b, axis]
-                asked = asked if np.abs(asked) >= least else 0.0
-                state.command[w, b, axis] = now + (asked - now) * share[w, k]
+                command, now = state.command[w, b, axis], state.velocity[w, b, axis]
+                command = command if np.abs(command) >= least else 0.0
+                state.command[w, b, axis] = now + (command - now) * share[w, k]
             disturbed.count[w, k] += 1
 
 

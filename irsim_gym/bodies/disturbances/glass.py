@@ -78,14 +78,14 @@ def look_through(
     """
     for w in worlds:
         for k in range(scan.sensors.shape[0]):
-            s, own, least = scan.sensors[k], disturbed.members[k], np.cos(disturbed.values[w, k, 1])
-            x, y, heading = mount_pose(state.pose[w, own], mounts[w, s])
+            s, body, least = scan.sensors[k], disturbed.members[k], np.cos(disturbed.values[w, k, 1])
+            x, y, heading = mount_pose(state.pose[w, body], mounts[w, s])
             for i in range(scan.ranges.shape[2]):
                 far, angle = scan.ranges[w, s, i], heading + scan.angles[s, i] - scan.offset[s, 2]
                 dx, dy = np.cos(angle), np.sin(angle)
                 end_x, end_y = x + far * dx, y + far * dy
                 for b in range(glass.shape[2]):
-                    is_glass = glass[w, k, b] and model.present[w, b] and b != own and far < scan.range_max[s]
+                    is_glass = glass[w, k, b] and model.present[w, b] and b != body and far < scan.range_max[s]
                     if is_glass and straightness(end_x, end_y, dx, dy, outline_of(model, state, w, b)) < least:
                         scan.ranges[w, s, i] = scan.range_max[s]
 

@@ -33,7 +33,7 @@ class LostBeams:
     def prepare(group: Group, model: Model, n_slots: int) -> None:
         """Note what each member's lost beams read."""
         scan: OwnScan = group.scan
-        zero = np.array([one.reads == "zero" for one in group.options], np.bool_)
+        zero = np.array([option.reads == "zero" for option in group.options], np.bool_)
         reading = np.where(zero, scan.range_min[scan.sensors], scan.range_max[scan.sensors])
         group.arrays["reading"] = reading.astype(np.float32)
         # Each scan takes random numbers from a random place of this table on, and adds a random number to all of them:

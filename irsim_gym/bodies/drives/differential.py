@@ -67,11 +67,11 @@ def move_differential(worlds: Ints, members: Ints, model: Model, state: State, e
                 # angle_range.
                 heading = wrap_below(heading + executed[w, b, 1] * dt)
                 state.pose[w, b, 2] = wrap_from(heading, model.heading_low[b])
-            known = state.direction[w, b]
+            direction = state.direction[w, b]
             # Kept with the heading that they belong to, so that the next step and the sensors need not compute them
             # again.
-            known[0], known[1] = turned(state.pose[w, b, 2], known)
-            known[2] = state.pose[w, b, 2]
-            state.twist[w, b, 0] = state.velocity[w, b, 0] * known[0]
-            state.twist[w, b, 1] = state.velocity[w, b, 0] * known[1]
+            direction[0], direction[1] = turned(state.pose[w, b, 2], direction)
+            direction[2] = state.pose[w, b, 2]
+            state.twist[w, b, 0] = state.velocity[w, b, 0] * direction[0]
+            state.twist[w, b, 1] = state.velocity[w, b, 0] * direction[1]
             state.twist[w, b, 2] = state.velocity[w, b, 1]

@@ -22,17 +22,17 @@ def draw_cellular(worlds: Ints, slot: int, options: Any, tables: MapTables, cell
     Reads: tables (before, line, occupied, order), state (random).
     Writes: tables (before, line, occupied, order), cells, state (random).
     """
-    occupied, before, given = tables.occupied[slot], tables.before[slot], options[0]
+    occupied, before, map_options = tables.occupied[slot], tables.before[slot], options[0]
     columns, rows = occupied.shape
-    edge = given.border
+    edge = map_options.border
     for w in worlds:
         clear_inside(occupied, edge)
-        fill = uniform(state.random, w, given["fill"][0], given["fill"][1])
+        fill = uniform(state.random, w, map_options["fill"][0], map_options["fill"][1])
         for i in range(edge, columns - edge):
             for j in range(edge, rows - edge):
                 occupied[i, j] = uniform(state.random, w, 0.0, 1.0) < fill
-        for _ in range(integer(state.random, w, given.rounds[0], given.rounds[1] + 1)):
-            smooth(occupied, before, tables.order[slot], edge, given.fill_from, given.clear_to)
+        for _ in range(integer(state.random, w, map_options.rounds[0], map_options.rounds[1] + 1)):
+            smooth(occupied, before, tables.order[slot], edge, map_options.fill_from, map_options.clear_to)
         lay_cells(cells, w, occupied, tables.line[slot])
 
 
@@ -60,15 +60,15 @@ def smooth(occupied: Flags, before: Flags, sums: Ints, edge: int, fill_from: int
                 for j in range(rows):
                     sums[j] += int(before[a, j])
         # Sums of three columns in the rows below, at and above the cell: together its neighbours and itself.
-        low, here = 0, sums[edge]
+        low, current = 0, sums[edge]
         if edge > 0:
             low = sums[edge - 1]
         for j in range(edge, rows - edge):
             high = sums[j + 1] if j + 1 < rows else 0
-            count = low + here + high - int(before[i, j])
+            count = low + current + high - int(before[i, j])
             # Between both bounds, a cell stays as it was.
             occupied[i, j] = count >= fill_from or (before[i, j] and count > clear_to)
-            low, here = here, high
+            low, current = current, high
 
 
 @kind

@@ -32,10 +32,10 @@ def draw_maze(worlds: Ints, slot: int, options: Any, tables: MapTables, cells: C
         occupied[:] = True
         opened[:] = False
         # `count` is the height of the stack in `path`: the crossings that lead to this one.
-        here, count = integer(state.random, w, 0, n_across * n_up), 0
-        open_cells(occupied, edge, wide, here // n_up, here % n_up, 0, 0)
+        cell, count = integer(state.random, w, 0, n_across * n_up), 0
+        open_cells(occupied, edge, wide, cell // n_up, cell % n_up, 0, 0)
         while True:
-            i, j = here // n_up, here % n_up
+            i, j = cell // n_up, cell % n_up
             opened[i, j] = True
             n_ways = 0
             for side in range(4):
@@ -47,7 +47,7 @@ def draw_maze(worlds: Ints, slot: int, options: Any, tables: MapTables, cells: C
                 if count == 0:
                     break
                 count -= 1
-                here = int(path[count])
+                cell = int(path[count])
                 continue
             # One of the new neighbours: the loop below counts down to it.
             chosen = integer(state.random, w, 0, n_ways)
@@ -56,10 +56,10 @@ def draw_maze(worlds: Ints, slot: int, options: Any, tables: MapTables, cells: C
                 if not (0 <= to_i < n_across and 0 <= to_j < n_up) or opened[to_i, to_j]:
                     continue
                 if chosen == 0:
-                    path[count] = here
+                    path[count] = cell
                     count += 1
                     open_cells(occupied, edge, wide, i, j, to_i - i, to_j - j)
-                    here = to_i * n_up + to_j
+                    cell = to_i * n_up + to_j
                     break
                 chosen -= 1
         # Each wall once, to the right and upwards. Walls that are open already stay open, but take their draw.

@@ -29,30 +29,30 @@ def draw_rooms(worlds: Ints, slot: int, options: Any, tables: MapTables, cells: 
     Reads: tables (line, occupied, order), state (random).
     Writes: tables (line, occupied), cells, state (random).
     """
-    occupied, given = tables.occupied[slot], options[0]
+    occupied, map_options = tables.occupied[slot], options[0]
     # Scratch that other maps use for cells.
     rooms = tables.order[slot][: 5 * MOST_ROOMS].reshape(MOST_ROOMS, 5)
-    edge = given.border
+    edge = map_options.border
     for w in worlds:
-        wanted = integer(state.random, w, given.number[0], given.number[1] + 1)
+        n_rooms = integer(state.random, w, map_options.number[0], map_options.number[1] + 1)
         for _ in range(TRIES):
             clear_inside(occupied, edge)
             rooms[0, LEFT], rooms[0, RIGHT] = edge, occupied.shape[0] - edge
             rooms[0, LOW], rooms[0, HIGH], rooms[0, WHOLE] = edge, occupied.shape[1] - edge, 0
             n = 1
-            while n < wanted:
+            while n < n_rooms:
                 chosen = choose_room(rooms, n, w, state)
                 if chosen < 0:
                     break
                 axis = 0 if uniform(state.random, w, 0.0, 1.0) < share_across(rooms[chosen]) else 1
-                if divide(occupied, rooms, chosen, n, axis, given, w, state) or divide(
-                    occupied, rooms, chosen, n, 1 - axis, given, w, state
+                if divide(occupied, rooms, chosen, n, axis, map_options, w, state) or divide(
+                    occupied, rooms, chosen, n, 1 - axis, map_options, w, state
                 ):
                     n += 1
                 else:
                     rooms[chosen, WHOLE] = 1
             # Else rooms were too small to be divided further: all over again. The last attempt stays as it is.
-            if n == wanted:
+            if n == n_rooms:
                 break
         lay_cells(cells, w, occupied, tables.line[slot])
 
@@ -88,7 +88,7 @@ def share_across(room: Ints) -> float:
 
 
 @kernel
-def divide(occupied: Flags, rooms: Ints, k: int, n: int, axis: int, given: Any, w: int, state: State) -> bool:
+def divide(occupied: Flags, rooms: Ints, k: int, n: int, axis: int, options: Any, w: int, state: State) -> bool:
     """Put a wall with a door through room k, whose other half becomes room n; return whether there is a place for it.
 
     No wall ends at a door.
@@ -102,7 +102,7 @@ def divide(occupied: Flags, rooms: Ints, k: int, n: int, axis: int, given: Any, 
         k: The room.
         n: The number of its other half.
         axis: 0 for a wall along y, 1 for one along x.
-        given: The options.
+        options: The options.
         w: World.
         state: Its random stream.
     """
@@ -111,7 +111,7 @@ def divide(occupied: Flags, rooms: Ints, k: int, n: int, axis: int, given: Any, 
     # Columns of the table, LEFT or LOW, in and across the direction in which the room is divided.
     along, across = 2 * axis, 2 - 2 * axis
     low, high = rooms[k, across], rooms[k, across + 1]
-    least = max(1, int(np.rint(given.least_side / given.resolution)))
+    least = max(1, int(np.rint(options.least_side / options.resolution)))
     # Places for the wall that leave `least` cells on both sides of it.
     count = rooms[k, along + 1] - rooms[k, along] - 2 * least
     if count <= 0:
@@ -124,8 +124,8 @@ def divide(occupied: Flags, rooms: Ints, k: int, n: int, axis: int, given: Any, 
         if (low > 0 and not cells[place, low - 1]) or (high < cells.shape[1] and not cells[place, high]):
             continue
         cells[place, low:high] = True
-        wide, door = open_door(cells, place, low, high, given, w, state)
-        if uniform(state.random, w, 0.0, 1.0) < given.loops:
+        wide, door = open_door(cells, place, low, high, options, w, state)
+        if uniform(state.random, w, 0.0, 1.0) < options.loops:
             second = integer(state.random, w, low, high - wide + 1)
             # A second door that would touch or overlap the first one is left out.
             if abs(second - door) > wide:
@@ -138,7 +138,7 @@ def divide(occupied: Flags, rooms: Ints, k: int, n: int, axis: int, given: Any, 
 
 
 @kernel
-def open_door(cells: Flags, place: int, low: int, high: int, given: Any, w: int, state: State) -> tuple[int, int]:
+def open_door(cells: Flags, place: int, low: int, high: int, options: Any, w: int, state: State) -> tuple[int, int]:
     """Open a door in a wall, and return its width and where it begins.
 
     Reads: state (random).
@@ -149,11 +149,11 @@ def open_door(cells: Flags, place: int, low: int, high: int, given: Any, w: int,
         place: Column of the wall.
         low: Its first cell.
         high: The cell after its last one.
-        given: The options.
+        options: The options.
         w: World.
         state: Its random stream.
     """
-    wide = max(1, int(np.rint(uniform(state.random, w, given.door[0], given.door[1]) / given.resolution)))
+    wide = max(1, int(np.rint(uniform(state.random, w, options.door[0], options.door[1]) / options.resolution)))
     door = integer(state.random, w, low, high - min(wide, high - low) + 1)
     # Rounding may make a door wider than the wall.
     wide = min(wide, high - low)

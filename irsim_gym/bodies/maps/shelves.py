@@ -21,15 +21,15 @@ def draw_shelves(worlds: Ints, slot: int, options: Any, tables: MapTables, cells
     Reads: tables (line, occupied), state (random).
     Writes: tables (line, occupied), cells, state (random).
     """
-    occupied, given = tables.occupied[slot], options[0]
-    edge, cell = given.border, given.resolution
-    length, depth = max(1, int(np.rint(given.shelf[0] / cell))), max(1, int(np.rint(given.shelf[1] / cell)))
-    aisle = max(1, int(np.rint(given.aisle / cell)))
+    occupied, map_options = tables.occupied[slot], options[0]
+    edge, cell = map_options.border, map_options.resolution
+    length, depth = max(1, int(np.rint(map_options.shelf[0] / cell))), max(1, int(np.rint(map_options.shelf[1] / cell)))
+    aisle = max(1, int(np.rint(map_options.aisle / cell)))
     for w in worlds:
         clear_inside(occupied, edge)
         # Drawn in any case, so that the option `turn` does not change the other random numbers.
-        is_turned = uniform(state.random, w, 0.0, 1.0) < 0.5 and given.turn > 0
-        missing = uniform(state.random, w, given.missing[0], given.missing[1])
+        is_turned = uniform(state.random, w, 0.0, 1.0) < 0.5 and map_options.turn > 0
+        missing = uniform(state.random, w, map_options.missing[0], map_options.missing[1])
         wide, high = (depth, length) if is_turned else (length, depth)
         # n shelves take n (side + aisle) cells and one more aisle.
         across, up = occupied.shape[0] - 2 * edge - aisle, occupied.shape[1] - 2 * edge - aisle
@@ -74,6 +74,6 @@ class ShelvesMap(LevelMap):
         needed = [span(side, self.resolution) + 2 * span(self.aisle, self.resolution) for side in self.shelf]
         room = [cells - 2 * self.border for cells in occupied.shape]
         ways = [needed, needed[::-1]] if self.turn else [needed]
-        if any(one > other for way in ways for one, other in zip(way, room, strict=True)):
+        if any(extent > other for way in ways for extent, other in zip(way, room, strict=True)):
             raise OptionError("shelf", "does not fit into the world with an aisle on all sides")
         return occupied

@@ -135,15 +135,15 @@ def draw_in_cells(
     """
     free = tables.free[slot]
     for w in worlds:
-        here = map_of(cells, w)
+        world_map = map_of(cells, w)
         for b in tables.members:
             if failed[w] > 0 or not model.present[w, b] or state.placed[w, b]:
                 continue
-            n_free = list_free(here, free)
+            n_free = list_free(world_map, free)
             while n_free > 0 and not state.placed[w, b]:
                 n_free -= 1
                 start = take(free, n_free, w, state)
-                put_in_cell(here, start, w, state, state.pose[w, b])
+                put_in_cell(world_map, start, w, state, state.pose[w, b])
                 place_outline(model, state, w, b)
                 if not free_space.is_start_free(w, b, tables.everyone, 0.0, model, state, cells):
                     continue
@@ -164,13 +164,13 @@ def draw_goals(
         (discs, placed, pose, random, segments).
     Writes: tables (found, seen), grids, model (waypoints), state (random).
     """
-    here, found, seen = map_of(cells, w), tables.found[slot], tables.seen[slot]
+    world_map, reached, seen = map_of(cells, w), tables.found[slot], tables.seen[slot]
     for k in range(model.drawn_goals[b]):
-        begin = cell_at(here, free_space.leg_start(w, b, k, model, state))
-        n_found, is_drawn = find_reached(here, begin, found, seen), False
+        begin = cell_at(world_map, free_space.leg_start(w, b, k, model, state))
+        n_found, is_drawn = find_reached(world_map, begin, reached, seen), False
         while n_found > 0 and not is_drawn:
             n_found -= 1
-            put_in_cell(here, take(found, n_found, w, state), w, state, model.waypoints[w, b, k])
+            put_in_cell(world_map, take(reached, n_found, w, state), w, state, model.waypoints[w, b, k])
             is_drawn = free_space.is_goal_free(w, b, k, 0.0, model, state, cells) and (
                 not tables.needs_way or free_space.has_way_of_length(w, b, k, tables.limits, grids, model, state, cells)
             )
@@ -227,31 +227,31 @@ def put_in_cell(cells: CellMap, cell: int, w: int, state: State, pose: Floats) -
 
 
 @kernel
-def find_reached(cells: CellMap, start: int, found: Ints, seen: Flags) -> int:
+def find_reached(cells: CellMap, start: int, reached: Ints, seen: Flags) -> int:
     """Write the cells connected to a free cell by free cells that share sides; return their number.
 
     Args:
         cells: The map.
         start: Index of the cell, which is not written itself.
-        found: Written: indices of cells, nearest first.
+        reached: Written: indices of cells, nearest first.
         seen: Scratch: a flag for each cell.
     """
     columns, rows = cells.room.shape
     seen[:] = False
     seen[start] = True
-    count, next_one, here = 0, 0, start
+    count, next_one, cell = 0, 0, start
     # Breadth-first search: `found` is also its queue, of which the first `next_one` entries are done.
     while True:
-        i, j = here // rows, here % rows
+        i, j = cell // rows, cell % rows
         for side in range(4):
             to_i, to_j = i + (side == 0) - (side == 1), j + (side == 2) - (side == 3)
             if to_i < 0 or to_j < 0 or to_i >= columns or to_j >= rows:
                 continue
             to = to_i * rows + to_j
             if not seen[to] and cells.squares[0, to_i, to_j] > 0:
-                seen[to], found[count] = True, to
+                seen[to], reached[count] = True, to
                 count += 1
         if next_one == count:
             return count
-        here = int(found[next_one])
+        cell = int(reached[next_one])
         next_one += 1

@@ -68,8 +68,8 @@ def way_grids(grids: Sequence[Grid], n_slots: int, n_bodies: int, limits: Sequen
     coarse, fine = (way_tables(grid, n_slots, n_bodies) for grid in grids)
     search = None
     if limits[0] > 0.0 or limits[1] < np.inf:
-        one, points = grids[1].search(), grids[1].path()
-        arrays = (np.zeros((n_slots, *each.shape), each.dtype) for each in (*one, points))
+        shared, points = grids[1].search(), grids[1].path()
+        arrays = (np.zeros((n_slots, *each.shape), each.dtype) for each in (*shared, points))
         search = WaySearch(grids[1], *arrays)
     return WayGrids(np.zeros((n_slots, n_bodies), np.bool_), coarse, fine, search)
 
@@ -175,11 +175,11 @@ def kept_goals(w: int, b: int, model: Model) -> int:
 
 
 @kernel
-def is_closer(clearance: float, one: BodyOutline, other: BodyOutline) -> bool:
+def is_closer(clearance: float, outline: BodyOutline, other: BodyOutline) -> bool:
     """Return whether two outlines touch, or come closer than ``clearance`` [m]."""
     if clearance <= 0.0:
-        return outlines_overlap(one, other)
-    return bool(outline_distance(one, other, clearance) < clearance)
+        return outlines_overlap(outline, other)
+    return bool(outline_distance(outline, other, clearance) < clearance)
 
 
 @kernel

@@ -106,8 +106,8 @@ class RandomPlacement:
             return misfit
         most = float(np.hypot(*np.maximum(np.abs(goal_high - low), np.abs(high - goal_low))[:2]))
         if options.min_goal_distance > most:
-            asked = f"min_goal_distance {options.min_goal_distance:g}"
-            return f"{asked} exceeds the distance between the farthest start and goal, {most:.3g} m"
+            distance = f"min_goal_distance {options.min_goal_distance:g}"
+            return f"{distance} exceeds the distance between the farthest start and goal, {most:.3g} m"
         corners = np.array([*(bound[:2] for bound in bounds), model.bounds[:2], model.bounds[2:]])
         # The grid covers the world, and the boxes of starts and goals where these go beyond it.
         area = (*corners.min(axis=0).tolist(), *corners.max(axis=0).tolist())

@@ -125,8 +125,8 @@ def draw_start(w: int, b: int, tables: DrawTables, model: Model, state: State, c
     """
     frame, pose, placed = model.bucket_frame[0], state.pose[w], state.placed[w]
     peers, others = tables.members, tables.everyone
-    first, following, found = state.bucket_first[w], state.bucket_next[w], state.nearby[w]
-    own, clearance = model.reach[row_of(model.reach, w), b], tables.clearance
+    first, following, nearby = state.bucket_first[w], state.bucket_next[w], state.nearby[w]
+    reach, clearance = model.reach[row_of(model.reach, w), b], tables.clearance
     for q in range(model.kept_clearance.shape[0]):
         clearance = max(clearance, model.kept_clearance[q])
     for _ in range(START_TRIES):
@@ -134,9 +134,9 @@ def draw_start(w: int, b: int, tables: DrawTables, model: Model, state: State, c
             pose[b, axis] = uniform(state.random, w, tables.low[axis], tables.high[axis])
         if frame.columns > 0:
             # What can be too near by origins, or by outlines, which reach out `frame.reach` at most.
-            within = max(tables.min_distance, own + clearance + frame.reach)
-            count = gather_nearby(pose[b, 0], pose[b, 1], within, frame, first, following, found)
-            peers, others = found[:count], found[:count]
+            within = max(tables.min_distance, reach + clearance + frame.reach)
+            count = gather_nearby(pose[b, 0], pose[b, 1], within, frame, first, following, nearby)
+            peers, others = nearby[:count], nearby[:count]
         if not free_space.is_spaced(pose, b, peers, tables.is_member, tables.min_distance, model.present[w], placed):
             continue
         place_outline(model, state, w, b)

@@ -51,21 +51,21 @@ def cast_bodies(worlds: Ints, slot: int, tables: ScanTables, model: Model, state
     laid = -1
     for w in worlds:
         reaches, rows, rings = model.reach[row_of(model.reach, w)], state.segments[w], state.discs[w]
-        here, there = state.pose[w], model.present[w]
+        poses, there = state.pose[w], model.present[w]
         n_segments = model.segment_count[row_of(model.segment_count, w)]
         n_discs = model.disc_count[row_of(model.disc_count, w)]
         for k in range(tables.members.shape[0]):
-            own, far, row = tables.members[k], tables.range_max[k], beam_row(w, k, tables)
-            eye = mount(here[own], state.direction[w, own], tables.offset[w, k])
+            body, far, row = tables.members[k], tables.range_max[k], beam_row(w, k, tables)
+            eye = mount(poses[body], state.direction[w, body], tables.offset[w, k])
             if row != laid:
                 ray_chunks.lay_beams(tables.beams_x[row], tables.beams_y[row], rays)
                 laid = row
             ray_chunks.clear_depths(rays)
             n_sides, n_rounds = 0, 0
             for b in range(there.shape[0]):
-                dx, dy, within = here[b, 0] - eye.x, here[b, 1] - eye.y, far + reaches[b]
+                dx, dy, within = poses[b, 0] - eye.x, poses[b, 1] - eye.y, far + reaches[b]
                 distance2 = dx * dx + dy * dy
-                if distance2 > within * within or b == own or model.unobstructed[b] or not there[b]:
+                if distance2 > within * within or b == body or model.unobstructed[b] or not there[b]:
                     continue
                 for d in range(model.disc_start[b], model.disc_start[b] + n_discs[b]):
                     if n_rounds == CHUNK:

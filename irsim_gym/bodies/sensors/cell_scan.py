@@ -17,15 +17,15 @@ def scan_cells(worlds: Ints, slot: int, tables: ScanTables, cells: CellMaps, mod
         state (pose).
     Writes: tables (ranges, walk_floats, walk_integers).
     """
-    own, floats, integers = cells.body, tables.walk_floats[slot], tables.walk_integers[slot]
+    map_body, floats, integers = cells.body, tables.walk_floats[slot], tables.walk_integers[slot]
     for w in worlds:
-        if not model.present[w, own]:
+        if not model.present[w, map_body]:
             continue
-        here = map_of(cells, w)
+        world_map = map_of(cells, w)
         for k in range(tables.members.shape[0]):
             pose = mount_pose(state.pose[w, tables.members[k]], tables.offset[w, k])
             row, ranges = beam_row(w, k, tables), tables.ranges[w, k]
-            cast_cells(here, pose, tables.beams_x[row], tables.beams_y[row], floats, integers, ranges)
+            cast_cells(world_map, pose, tables.beams_x[row], tables.beams_y[row], floats, integers, ranges)
             shortest = np.float32(tables.cast_min[k])
             for j in range(ranges.shape[0]):
                 ranges[j] = ranges[j] if ranges[j] > shortest else shortest

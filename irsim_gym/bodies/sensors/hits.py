@@ -44,15 +44,15 @@ def find_hits(worlds: Ints, slot: int, tables: ScanTables, model: Model, state: 
         n_segments = model.segment_count[row_of(model.segment_count, w)]
         n_discs = model.disc_count[row_of(model.disc_count, w)]
         for k in range(tables.members.shape[0]):
-            own, far, row, hit = tables.members[k], tables.range_max[k], beam_row(w, k, tables), tables.hit[w, k]
+            body, far, row, hit = tables.members[k], tables.range_max[k], beam_row(w, k, tables), tables.hit[w, k]
             beams_x, beams_y = tables.beams_x[row], tables.beams_y[row]
-            x, y, heading = mount_pose(state.pose[w, own], tables.offset[w, k])
+            x, y, heading = mount_pose(state.pose[w, body], tables.offset[w, k])
             eye = Eye(x, y, np.cos(heading), np.sin(heading))
             nearest[:] = np.float32(0.0)
             hit[:] = -1
             for b in range(model.present.shape[1]):
                 dx, dy, near = state.pose[w, b, 0] - x, state.pose[w, b, 1] - y, far + reaches[b]
-                if b == own or model.unobstructed[b] or not model.present[w, b] or dx * dx + dy * dy > near * near:
+                if b == body or model.unobstructed[b] or not model.present[w, b] or dx * dx + dy * dy > near * near:
                     continue
                 inverse[:] = np.float32(0.0)
                 disc, segment = model.disc_start[b], model.segment_start[b]
@@ -114,11 +114,11 @@ def write_radial_velocity(
     """
     for w in worlds:
         for k in range(tables.members.shape[0]):
-            own, row, error = tables.members[k], beam_row(w, k, tables), 0.0
+            body, row, error = tables.members[k], beam_row(w, k, tables), 0.0
             shortest, farthest = np.float32(tables.range_min[k]), np.float32(tables.range_max[k])
             # How much of the sensor's own velocity is subtracted.
             share = 0.0 if params[k].motion_compensate else 1.0
-            heading = state.pose[w, own, 2] + tables.offset[w, k, 2]
+            heading = state.pose[w, body, 2] + tables.offset[w, k, 2]
             for j in range(tables.hit.shape[2]):
                 # Drawn for every beam, so that the stream does not depend on what the beams hit.
                 if params[k].velocity_noise_std > 0.0:
@@ -126,7 +126,7 @@ def write_radial_velocity(
                 radial_velocity[w, k, j] = 0.0
                 b = tables.hit[w, k, j]
                 if b >= 0 and shortest < tables.ranges[w, k, j] < farthest:
-                    vx = state.twist[w, b, 0] - share * state.twist[w, own, 0]
-                    vy = state.twist[w, b, 1] - share * state.twist[w, own, 1]
+                    vx = state.twist[w, b, 0] - share * state.twist[w, body, 0]
+                    vy = state.twist[w, b, 1] - share * state.twist[w, body, 1]
                     angle = heading + tables.cast_angles[row, j]
                     radial_velocity[w, k, j] = vx * np.cos(angle) + vy * np.sin(angle) + error

@@ -52,8 +52,8 @@ class Lidar2D(scanning.RangeSensor):
     @staticmethod
     def report(group: Group, member: int, world: int) -> dict[str, Any]:
         """Return a copy of the scan under IR-SIM's names; ``velocity`` [m/s] has shape ``(2, n_beams)``."""
-        found = reports.scan_report(group, member, world)
+        scan = reports.scan_report(group, member, world)
         table = group.arrays
-        still = np.zeros((2, len(found["ranges"])))
+        still = np.zeros((2, len(scan["ranges"])))
         velocity = table["velocity"][world, member].copy() if "velocity" in table else still
-        return {**found, "velocity": velocity, "valid": reports.is_valid(group, member, world)}
+        return {**scan, "velocity": velocity, "valid": reports.is_valid(group, member, world)}

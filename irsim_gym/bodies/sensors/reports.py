@@ -32,10 +32,10 @@ def scan_report(group: Group, member: int, world: int) -> dict[str, Any]:
 
 def read_ranges(group: Group, member: int, world: int) -> Floats:
     """Return a copy of the ranges [m], shape ``(n_beams,)``, with range_min and range_max exactly as in the options."""
-    options, found = group.options[member], group.arrays["ranges"][world, member]
-    ranges: Floats = found.astype(np.float64)
-    ranges[found <= np.float32(options.range_min)] = options.range_min
-    ranges[found >= np.float32(options.range_max)] = options.range_max
+    options, measured = group.options[member], group.arrays["ranges"][world, member]
+    ranges: Floats = measured.astype(np.float64)
+    ranges[measured <= np.float32(options.range_min)] = options.range_min
+    ranges[measured >= np.float32(options.range_max)] = options.range_max
     return ranges
 
 

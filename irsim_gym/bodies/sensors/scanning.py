@@ -107,16 +107,16 @@ def prepare(group: Group, outlines: list[Outline], model: Model, n_slots: int, *
     # Without noise, all members look in the same directions at all times and share one row.
     n_rows = n_worlds * n_members if first.noise else 1
     names = "offset", "range_min", "range_max", "std", "angle_std"
-    given = {name: np.array([getattr(one, name) for one in group.options], np.float64) for name in names}
-    ranges = np.tile(given["range_max"].astype(np.float32)[None, :, None], (n_worlds, 1, n_beams))
+    numbers = {name: np.array([getattr(option, name) for option in group.options], np.float64) for name in names}
+    ranges = np.tile(numbers["range_max"].astype(np.float32)[None, :, None], (n_worlds, 1, n_beams))
     tables = group.tables = ScanTables(
         members=group.members,
-        offset=np.tile(given["offset"], (n_worlds, 1, 1)),
-        range_min=given["range_min"],
-        range_max=given["range_max"],
-        cast_min=np.zeros(n_members) if first.noise or finds_hits else given["range_min"],
-        range_std=given["std"],
-        angle_std=given["angle_std"],
+        offset=np.tile(numbers["offset"], (n_worlds, 1, 1)),
+        range_min=numbers["range_min"],
+        range_max=numbers["range_max"],
+        cast_min=np.zeros(n_members) if first.noise or finds_hits else numbers["range_min"],
+        range_std=numbers["std"],
+        angle_std=numbers["angle_std"],
         first=float(angles[0]),
         density=0.0 if first.noise or spread == 0.0 else float((n_beams - 1) / spread),
         angles=angles,

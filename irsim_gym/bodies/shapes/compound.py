@@ -62,8 +62,8 @@ class CompoundPart:
         return self._placed(np.array([[-right, -top], [right, -top], [right, top], [-right, top]]))
 
     def _of(self, shape: type[Any], key: str) -> float:
-        given = getattr(self, key)
-        return float(getattr(defaults(shape), key) if given is None else given)
+        value = getattr(self, key)
+        return float(getattr(defaults(shape), key) if value is None else value)
 
     def _placed(self, points: Floats) -> Floats:
         x, y, heading = self.pose

@@ -47,12 +47,12 @@ def roll_on(
     high = model.velocity_max[row_of(model.velocity_max, w), b]
     sharpest = model.acceleration_limit[row_of(model.acceleration_limit, w), b]
     for axis in range(3):
-        asked = tables.command[slot, axis] if step < n + hold else 0.0
-        asked = response.pending[w, a, step, axis] if step < n else asked
-        asked = asked if np.abs(asked) >= dead_band else 0.0
-        asked, change = now[axis] + (asked - now[axis]) * share, sharpest[axis] * dt
+        command = tables.command[slot, axis] if step < n + hold else 0.0
+        command = response.pending[w, a, step, axis] if step < n else command
+        command = command if np.abs(command) >= dead_band else 0.0
+        command, change = now[axis] + (command - now[axis]) * share, sharpest[axis] * dt
         least, most = max(low[axis], now[axis] - change), min(high[axis], now[axis] + change)
-        now[axis] = min(max(asked, least), most)
+        now[axis] = min(max(command, least), most)
     if model.speed_bound[b]:
         hold_speed(now, high[0])
     wheelbase = 0.0 if tables.by_rate[k] else model.wheelbase[b]

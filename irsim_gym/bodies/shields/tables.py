@@ -58,8 +58,8 @@ def lay_tables(group: Group, response: Response, n_slots: int) -> ShieldTables:
     n_walls = WALLS_OF_A_PAIR * group.scan.ranges.shape[2]
     return ShieldTables(
         members=group.members,
-        margin=np.array([one.margin for one in group.options], np.float64),
-        horizon=np.array([getattr(one, "horizon", 0.0) for one in group.options], np.float64),
+        margin=np.array([option.margin for option in group.options], np.float64),
+        horizon=np.array([getattr(option, "horizon", 0.0) for option in group.options], np.float64),
         by_rate=commanded_by_rate(group),
         scan=group.scan,
         response=response,

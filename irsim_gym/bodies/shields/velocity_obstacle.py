@@ -84,17 +84,17 @@ def meeting(w: int, k: int, slot: int, tables: ShieldTables, model: Model, state
     Writes: tables (now, place).
     """
     b, at, dt = tables.members[k], tables.place[slot], model.step_time[0]
-    here, reaches = state.pose[w, b], model.reach[row_of(model.reach, w)]
-    cosine, sine = np.cos(here[2]), np.sin(here[2])
+    pose, reaches = state.pose[w, b], model.reach[row_of(model.reach, w)]
+    cosine, sine = np.cos(pose[2]), np.sin(pose[2])
     n = tables.response.n_pending[w, tables.response.place[b]] + int(np.ceil(tables.horizon[k] / dt))
     begin_rolling(w, k, slot, tables, state)
     for step in range(n):
         roll_on(w, k, slot, step, n, tables, model, state)
-        x, y, time = here[0] + cosine * at[0] - sine * at[1], here[1] + sine * at[0] + cosine * at[1], (step + 1) * dt
+        x, y, time = pose[0] + cosine * at[0] - sine * at[1], pose[1] + sine * at[0] + cosine * at[1], (step + 1) * dt
         for q in range(model.movable.shape[0]):
             if q == b or not model.movable[q] or not model.present[w, q] or model.unobstructed[q]:
                 continue
-            dx, dy = state.pose[w, q, 0] - here[0], state.pose[w, q, 1] - here[1]
+            dx, dy = state.pose[w, q, 0] - pose[0], state.pose[w, q, 1] - pose[1]
             need = min(reaches[b] + reaches[q] + tables.margin[k], np.sqrt(dx * dx + dy * dy))
             dx = state.pose[w, q, 0] + time * state.twist[w, q, 0] - x
             dy = state.pose[w, q, 1] + time * state.twist[w, q, 1] - y

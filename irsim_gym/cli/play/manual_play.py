@@ -116,13 +116,13 @@ class Player:
 
     def _read(self, robot: str | None) -> None:
         """Read the scenario and its task, and make the environment; None for ``robot`` means the task's learner."""
-        name, given = self._settings.scenario, self._settings.parameters
+        name, parameters = self._settings.scenario, self._settings.parameters
         strict = self._settings.strict
-        self._scenario = load_scenario(name, given, strict=strict)
+        self._scenario = load_scenario(name, parameters, strict=strict)
         task: Any = self._settings.task if robot is None else _task_of(self._scenario, self._settings.task, robot)
         if isinstance(self._policy, Perceives) and self._policy.perception is not None:
             task = perceived(self._scenario, task, self._policy.perception)
-        env: Any = make(name, task=task, disable_env_checker=True, strict=strict, **given)
+        env: Any = make(name, task=task, disable_env_checker=True, strict=strict, **parameters)
         assert isinstance(env.unwrapped, WorldEnv)
         self._env, self._worlds = env, env.unwrapped.worlds
         self._body = int(self._worlds.simulation.agents[0])
@@ -315,10 +315,10 @@ class Player:
 def play(settings: PlaySettings) -> PlayResult:
     """Open a window, and let a person drive; see ``Player``."""
     record = settings.record
-    asked = ScenarioRequest(settings.scenario, settings.task, parameters=settings.parameters, strict=settings.strict)
+    request = ScenarioRequest(settings.scenario, settings.task, parameters=settings.parameters, strict=settings.strict)
     outputs = [] if record is None else [partial(check_demonstrations, record)]
     policies = [] if settings.policy is None else [settings.policy]
-    check_inputs(asked, *outputs, policies=policies, split=settings.split)
+    check_inputs(request, *outputs, policies=policies, split=settings.split)
     player = Player(settings)
     print(KEYS, file=sys.stderr)
     return player.run()
@@ -344,8 +344,8 @@ def _task_of(scenario: Scenario, task: str | None, robot: str) -> dict[str, Any]
     if robot.isdecimal() and int(robot) < len(names):
         robot = names[int(robot)]
     if robot not in names:
-        known = ", ".join(names) or "none"
-        raise UnknownNameError(f"no robot '{robot}'{suggestion(robot, names)}; there are: {known}")
+        listed = ", ".join(names) or "none"
+        raise UnknownNameError(f"no robot '{robot}'{suggestion(robot, names)}; there are: {listed}")
     return {**_mapping_of(scenario, task), "agents": robot}
 
 

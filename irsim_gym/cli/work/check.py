@@ -33,22 +33,22 @@ def check_files(files: Sequence[str], reading: ReadOptions) -> bool:
         except (IrsimGymError, OSError) as error:
             failures[file] = str(error)
     played = try_files(list(read), reading) if read else {}
-    for file, one in played.items():
-        if one.failure and one.failure != failures.get(file):
-            failures[file] = f"{failures[file]}\n{one.failure}" if file in failures else one.failure
+    for file, outcome in played.items():
+        if outcome.failure and outcome.failure != failures.get(file):
+            failures[file] = f"{failures[file]}\n{outcome.failure}" if file in failures else outcome.failure
     alone = not reading.team and reading.task is None
     for file, known in read.items():
         if known is not None and file in failures and alone and (blocked := blocked_start(known[0])):
             del failures[file]
             read[file] = known[0], None, blocked
     for file in files:
-        found = read.get(file)
-        if file in failures or found is None:
+        result = read.get(file)
+        if file in failures or result is None:
             print(failures[file], file=sys.stderr)
-            for note in _task_notes(*found[:2]) if found is not None else []:
+            for note in _task_notes(*result[:2]) if result is not None else []:
                 print(f"  note: {note.path}: {note.message}", file=sys.stderr)
         else:
-            _describe(file, found, played[file].notes, reading)
+            _describe(file, result, played[file].notes, reading)
     return not failures
 
 
@@ -69,10 +69,10 @@ def _describe(file: str, read: Read, met: Sequence[Problem], reading: ReadOption
         print("\n".join(f"  {line}" for line in str(refused).splitlines()))
     for line in describe_parameters(scenario.source, scenario.parameters):
         print(f"  {line}")
-    found = (*notes(scenario), *_task_notes(scenario, task), *met)
-    for note in found:
+    every = (*notes(scenario), *_task_notes(scenario, task), *met)
+    for note in every:
         print(f"  {file}:{note.line}   {note.path}: {note.message}")
-    if found:
+    if every:
         print("  (notes only: the file can be used, and the exit status stays 0)")
 
 
@@ -82,9 +82,9 @@ def _task_notes(scenario: Scenario, task: Task | None) -> list[Problem]:
         return []
     idle, hidden = idle_robots(scenario, task), unseen(scenario, task)
     body = scenario.bodies[task.agents[0]]
-    found = [Problem(body.line, body.name, f"{idle}; --team trains {all_of(scenario)}")] if idle else []
+    problems = [Problem(body.line, body.name, f"{idle}; --team trains {all_of(scenario)}")] if idle else []
     message = (
         f"the learner observes nothing of {hidden}: a sensor and the observation scan, "
         "or nearest_bodies, which needs none, would show it"
     )
-    return [*found, *([Problem(body.line, body.name, message)] if hidden else [])]
+    return [*problems, *([Problem(body.line, body.name, message)] if hidden else [])]

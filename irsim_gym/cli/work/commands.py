@@ -121,17 +121,17 @@ def is_enough(until: float, levels: int, run: Run) -> bool:
 
 def _notes(settings: Settings) -> Iterator[str]:
     """Yield warnings of settings that are valid but probably not intended."""
-    wanted = settings.hyperparameters
-    if wanted.team is not None and _team_size(settings) == 1:
+    hyper = settings.hyperparameters
+    if hyper.team is not None and _team_size(settings) == 1:
         yield "this team has one robot; --team needs several"
-    starts = wanted.arguments.get("learning_starts", 0)
-    if starts >= wanted.n_timesteps:
-        yield f"the run learns nothing: learning_starts is {starts:,}, and the run has {wanted.n_timesteps:,} steps"
+    starts = hyper.arguments.get("learning_starts", 0)
+    if starts >= hyper.n_timesteps:
+        yield f"the run learns nothing: learning_starts is {starts:,}, and the run has {hyper.n_timesteps:,} steps"
     for part in settings.parts():
         scenario, task = part.load_task()
         warned = set(doubts(scenario)) | set(scenario.ignored)
-        found = [note for note in notes(scenario) if note not in warned]
-        yield from (f"{note.path}: {note.message}" for note in (*found, *survey(scenario, task)))
+        further = [note for note in notes(scenario) if note not in warned]
+        yield from (f"{note.path}: {note.message}" for note in (*further, *survey(scenario, task)))
 
 
 def _team_size(settings: Settings) -> int:
@@ -142,11 +142,11 @@ def _verdict_lines(run: Run, last: Point) -> list[str]:
     """Return advice for a training that ended near 0 % success; for a mixture, for each such scenario."""
     settings, lines = run.settings(), list[str]()
     is_mixed = bool(settings.mixture)
-    for name, part, own in zip(settings.names, settings.parts(), run.own_settings().parts(), strict=True):
-        scenario, task = own.load_task()
+    for name, part, stored in zip(settings.names, settings.parts(), run.own_settings().parts(), strict=True):
+        scenario, task = stored.load_task()
         look = look_command(part.scenario, run.folder, team=settings.is_team, task=part.task)
-        found = verdict(scenario_point(last, name) if is_mixed else last, scenario, task, look)
-        lines += [f"{name}:", *found] if is_mixed and found else found
+        text = verdict(scenario_point(last, name) if is_mixed else last, scenario, task, look)
+        lines += [f"{name}:", *text] if is_mixed and text else text
     return lines
 
 
@@ -168,7 +168,7 @@ def marks_table(points: Sequence[Point]) -> Table:
 
 
 def run_evaluation(
-    asked: ScenarioRequest,
+    request: ScenarioRequest,
     policies: Sequence[str],
     *,
     levels: int,
@@ -184,34 +184,34 @@ def run_evaluation(
     """
     if not policies and not references:
         raise IrsimGymError("nothing to evaluate: name a policy, or keep the references")
-    asked, methods, folder = requested_evaluation(asked, policies, split, out, overwrite, "evaluation")
+    request, methods, folder = requested_evaluation(request, policies, split, out, overwrite, "evaluation")
     how: dict[str, Any] = {"levels": levels, "split": split, "references": references}
-    found = evaluate_policies(asked, methods, folder=folder, **how)
-    print_evaluation(found)
+    evaluation = evaluate_policies(request, methods, folder=folder, **how)
+    print_evaluation(evaluation)
     print(f"rows, summary and table: {folder}")
-    return found
+    return evaluation
 
 
 def requested_evaluation(
-    asked: ScenarioRequest, policies: Sequence[str], split: str, out: Path | None, overwrite: bool, kind: str
+    request: ScenarioRequest, policies: Sequence[str], split: str, out: Path | None, overwrite: bool, kind: str
 ) -> tuple[ScenarioRequest, dict[str, tuple[str, ...]], Path]:
     """Check an evaluation, and return its request with the parameters of training, its methods, and its folder."""
-    check_inputs(asked, partial(check_no_results, out, overwrite), policies=policies, split=split, folder=out)
+    check_inputs(request, partial(check_no_results, out, overwrite), policies=policies, split=split, folder=out)
     methods = {method.name: method.sources for method in read_methods(policies)}
-    asked = as_trained(asked, [source for seeds in methods.values() for source in seeds])
-    named = str(asked.scenario), split, asked.parameters, asked.team
-    return asked, methods, out or evaluation_folder(*named, overwrite=overwrite, kind=kind)
+    request = as_trained(request, [source for seeds in methods.values() for source in seeds])
+    named = str(request.scenario), split, request.parameters, request.team
+    return request, methods, out or evaluation_folder(*named, overwrite=overwrite, kind=kind)
 
 
-def print_evaluation(found: Evaluation) -> None:
+def print_evaluation(evaluation: Evaluation) -> None:
     """Print the tables of an evaluation, and what their columns mean."""
-    for table in found.tables:
+    for table in evaluation.tables:
         print_table(table)
-    print(found.legend)
+    print(evaluation.legend)
 
 
 def run_record(
-    asked: ScenarioRequest,
+    request: ScenarioRequest,
     policies: Sequence[str],
     levels: Sequence[int],
     split: str,
@@ -234,8 +234,8 @@ def run_record(
     names_page = out is not None and out.suffix.lower() == ".html"
     kind = "replay" if kind == "film" and names_page else kind
     checks = partial(check_output, out, kind), partial(check_free, out, overwrite)
-    check_inputs(asked, *checks, policies=policies, split=split)
-    asked = as_trained(asked, policies)
+    check_inputs(request, *checks, policies=policies, split=split)
+    request = as_trained(request, policies)
     path = out or free_file(Path("runs") / ("film.mp4" if kind == "film" else "replay.html"), overwrite)
     write = record_film if kind == "film" else record_html
-    print(write(asked, policies, levels, path, split=split))
+    print(write(request, policies, levels, path, split=split))

@@ -27,13 +27,13 @@ def run_demo(
     Raises:
         TrainingInterruptedError: If Ctrl-C or, during training, SIGTERM stops it. The next call resumes the training.
     """
-    run, film, asked = Run(folder / "run"), folder / "film.mp4", ScenarioRequest(scenario)
+    run, film, wish = Run(folder / "run"), folder / "film.mp4", ScenarioRequest(scenario)
     try:
         with ctrl_c_as_error(TO_GO_ON):
             request = TrainingRequest(scenario, "ppo", seed, steps)
             run_training(request, run.folder, resume=run.exists(), dev_levels=levels)
             evaluated = [f"ppo={run.folder}"]
-            run_evaluation(asked, evaluated, levels=levels, split="test", out=folder / "test", overwrite=True)
-            run_record(asked, [str(run.folder), "dash"], FILMED, "test", film, "film", overwrite=True)
+            run_evaluation(wish, evaluated, levels=levels, split="test", out=folder / "test", overwrite=True)
+            run_record(wish, [str(run.folder), "dash"], FILMED, "test", film, "film", overwrite=True)
     except TrainingInterruptedError as stop:
         raise TrainingInterruptedError(TO_GO_ON, stop.signal) from None

@@ -10,7 +10,7 @@ from irsim_gym.evaluation.requests.inputs import check_inputs
 from irsim_gym.evaluation.requests.scenario_request import ScenarioRequest
 
 
-def describe_scenario(asked: ScenarioRequest, *, as_json: bool) -> None:
+def describe_scenario(request: ScenarioRequest, *, as_json: bool) -> None:
     """Print the description of an environment.
 
     Robots of a team that observe and act alike are described once.
@@ -18,23 +18,23 @@ def describe_scenario(asked: ScenarioRequest, *, as_json: bool) -> None:
     Args:
         as_json: Print JSON: an object, or a list of objects for a team.
     """
-    check_inputs(asked)
-    worlds = Worlds(**vars(asked))
-    found = list(_each(worlds, asked.team))
+    check_inputs(request)
+    worlds = Worlds(**vars(request))
+    descriptions = list(_each(worlds, request.team))
     if as_json:
-        plain = [description.as_dict() for description in found]
-        print(json.dumps(plain if asked.team else plain[0], indent=2))
+        plain = [description.as_dict() for description in descriptions]
+        print(json.dumps(plain if request.team else plain[0], indent=2))
         return
-    for k, description in enumerate(found):
+    for k, description in enumerate(descriptions):
         print(end="\n" if k else "")
         show(description)
 
 
 def _each(worlds: Worlds, team: bool) -> Iterator[Description]:
     """Yield a description for each kind of learner."""
-    known: set[str] = set()
+    names: set[str] = set()
     for name in worlds.agent_names:
-        if name not in known:
-            description = worlds.describe(name, own=team)
-            known |= {name, *description.same_for}
+        if name not in names:
+            description = worlds.describe(name, of_agent=team)
+            names |= {name, *description.same_for}
             yield description

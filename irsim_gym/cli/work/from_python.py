@@ -63,22 +63,22 @@ def train(
     require("train", "irsim_gym.train")
     from irsim_gym.cli.work.commands import run_training
 
-    known: dict[str, Any] = {"algorithm": algorithm, "seed": seed, "steps": steps, "team": team, "until": until}
-    known |= {"parameters": parameters, "strict": strict, "device": device}
-    request = _request(scenario, task, origin, hyperparameters, known)
+    options: dict[str, Any] = {"algorithm": algorithm, "seed": seed, "steps": steps, "team": team, "until": until}
+    options |= {"parameters": parameters, "strict": strict, "device": device}
+    request = _request(scenario, task, origin, hyperparameters, options)
     how: dict[str, Any] = {"resume": resume, "overwrite": overwrite, "dev_levels": dev_levels}
     return run_training(request, None if out is None else Path(out), more_steps=more_steps, **how).folder
 
 
-def _request(scenario: Any, task: Any, origin: Any, hyperparameters: Any, known: dict[str, Any]) -> TrainingRequest:
+def _request(scenario: Any, task: Any, origin: Any, hyperparameters: Any, options: dict[str, Any]) -> TrainingRequest:
     """Return the request that the command would make."""
     from irsim_gym.training.requests.training_request import TrainingRequest
 
     if not isinstance(scenario, str | Path):
         raise IrsimGymError("a run reads its scenario from a file, to be resumed: save the scenario and name the file")
     if isinstance(hyperparameters, Mapping):
-        known["changes"] = hyperparameters
+        options["changes"] = hyperparameters
     elif hyperparameters is not None:
-        known["hyperparameters"] = Path(hyperparameters)
-    known |= {key: str(name) for key, name in (("task", task), ("origin", origin)) if name is not None}
-    return TrainingRequest(str(scenario), **known)
+        options["hyperparameters"] = Path(hyperparameters)
+    options |= {key: str(name) for key, name in (("task", task), ("origin", origin)) if name is not None}
+    return TrainingRequest(str(scenario), **options)

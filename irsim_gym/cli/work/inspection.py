@@ -43,8 +43,8 @@ def draw_level(
     from irsim_gym.rendering.looks.images import save_picture
 
     output = partial(check_drawing, None if is_map(out) else out)
-    asked = ScenarioRequest(scenario, task, parameters=parameters, strict=strict)
-    check_inputs(asked, output, split=split)
+    request = ScenarioRequest(scenario, task, parameters=parameters, strict=strict)
+    check_inputs(request, output, split=split)
     simulation = begin_level(load_scenario(scenario, parameters, strict=strict), level, split, task)
     path = out or Path(f"{simulation.scenario.name}.png")
     if is_map(path):

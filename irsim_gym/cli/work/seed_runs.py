@@ -60,14 +60,14 @@ def run_seeds(
     check_request(request, lambda: check_folder(out))
     folder = out or group_folder(request)
     seeds = range(request.seed, request.seed + count)
-    own = [(replace(request, seed=seed), Run(folder / f"seed_{seed}")) for seed in seeds]
+    parts = [(replace(request, seed=seed), Run(folder / f"seed_{seed}")) for seed in seeds]
     settings = request.settings()
     check_level_files(settings, {"dev": dev_levels, "test": test_levels})
-    report_together(*(partial(_check_place, one, settings, run, resume, overwrite) for one, run in own))
+    report_together(*(partial(_check_place, entry, settings, run, resume, overwrite) for entry, run in parts))
     runs = []
-    for one, run in own:
+    for part, run in parts:
         how: dict[str, Any] = {"resume": resume and run.exists(), "overwrite": overwrite}
-        runs.append(run_training(one, run.folder, dev_levels=dev_levels, **how))
+        runs.append(run_training(part, run.folder, dev_levels=dev_levels, **how))
     with ctrl_c_as_error("the trainings are finished, but their evaluation is not: run the same command to continue."):
         summarize_runs(folder, runs, test_levels)
     return folder
@@ -81,21 +81,21 @@ def _check_place(request: TrainingRequest, settings: Settings, run: Run, resume:
         settings: Settings of the trainings, with any seed.
     """
     check_folder(run.folder)
-    own = replace(settings, seed=request.seed)
+    seed_settings = replace(settings, seed=request.seed)
     if overwrite:
         check_replaceable(run)
     elif resume and run.exists():
-        request.resumed_settings(run, own)
+        request.resumed_settings(run, seed_settings)
     elif run.exists():
-        _check_repeated(run, own)
+        _check_repeated(run, seed_settings)
 
 
 def _check_repeated(run: Run, settings: Settings) -> None:
     """Check that an existing run is finished, or has not begun to learn, and has the requested settings."""
     ways = "choose another folder with --out, or replace the runs with --overwrite"
-    found = run_differences(run, settings, settings.snapshot())
-    if found:
-        raise IrsimGymError(f"{run.folder} holds a run with other settings ({listed(found)}); {ways}")
+    differing = run_differences(run, settings, settings.snapshot())
+    if differing:
+        raise IrsimGymError(f"{run.folder} holds a run with other settings ({listed(differing)}); {ways}")
     if not run.finished() and list_checkpoints(run.checkpoints):
         raise IrsimGymError(f"{run.folder} holds an unfinished run; continue it with --resume, {ways}")
 
@@ -131,14 +131,14 @@ def _summarize(folder: Path, settings: Settings, runs: Sequence[Run], levels: in
     """
     is_team, places = settings.is_team, [run.folder for run in runs]
     method = settings.algorithm
-    found = evaluate_policies(settings.request(), {method: list(places)}, levels=levels, folder=folder / TEST)
+    evaluation = evaluate_policies(settings.request(), {method: list(places)}, levels=levels, folder=folder / TEST)
     test = seed_summary.named_as_runs(json_object(folder / TEST / "summary.json"), places)
     summary = seed_summary.summarize_seeds(test["conditions"]["scenario"], places, [test], part)
-    line = _summary_line(summary, found.worst[method])
+    line = _summary_line(summary, evaluation.worst[method])
     head, rows = seed_summary.seed_cells(summary, next(iter(summary["conditions"])) if is_team else None)
-    seed_summary.write_seeds(folder, RESULTS, summary, called=found.scenario)
+    seed_summary.write_seeds(folder, RESULTS, summary, called=evaluation.scenario)
     write_text(folder / f"{RESULTS}.md", "\n".join([*seed_summary.markdown_table(head, rows), "", line, ""]))
-    title = f"{found.scenario}: {method.upper()}, {levels:,} test levels, {found.level_set}"
+    title = f"{evaluation.scenario}: {method.upper()}, {levels:,} test levels, {evaluation.level_set}"
     print_table(figure_table(title, head, rows))
     print(
         f"{line}\ntable, summary and learning curves: {folder / RESULTS}.md, .json, .png; evaluation: {folder / TEST}"

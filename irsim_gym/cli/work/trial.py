@@ -203,9 +203,9 @@ def _played(file: str, reading: ReadOptions) -> Played:
         return Played("\n".join([str(error), *getattr(error, "__notes__", ())]))
     except (Exception, SystemExit) as error:
         frames = traceback.extract_tb(error.__traceback__)
-        own = [frame for frame in frames if not frame.filename.startswith(PACKAGE)] or frames
+        outside = [frame for frame in frames if not frame.filename.startswith(PACKAGE)] or frames
         lines = traceback.format_exception_only(error)
-        place = f"  in {own[-1].filename}:{own[-1].lineno}"
+        place = f"  in {outside[-1].filename}:{outside[-1].lineno}"
         told = [f"{file}: it could not be played: {lines[0].strip()}", *map(_indented, lines[1:]), place]
         return Played("\n".join(told))
 

@@ -39,14 +39,14 @@ def warm_up(chosen: Sequence[ScenarioRequest]) -> None:
     """
     begun, watch, place = time.perf_counter(), compilation(), cache_folder()
     before = watch.compiled + watch.received
-    report_together(*(check for one in chosen for check in world_checks(one)))
+    report_together(*(check for world in chosen for check in world_checks(world)))
     with Progress(console=Console(stderr=True), transient=True) as progress:
-        for one in progress.track(chosen, description="compiling"):
-            exercise(one.load(), one.task)
-    kept = f"kept in {place}" if place else "not cached: no folder is writable; set NUMBA_CACHE_DIR"
+        for world in progress.track(chosen, description="compiling"):
+            exercise(world.load(), world.task)
+    place_note = f"kept in {place}" if place else "not cached: no folder is writable; set NUMBA_CACHE_DIR"
     spent = time.perf_counter() - begun
     ready = f"{len(chosen)} scenario{'s' * (len(chosen) != 1)} ready"
-    print(f"{ready}: {watch.compiled + watch.received - before} kernels compiled in {spent:.0f} s, {kept}")
+    print(f"{ready}: {watch.compiled + watch.received - before} kernels compiled in {spent:.0f} s, {place_note}")
 
 
 def exercise(scenario: Scenario, task: TaskSource = None) -> None:

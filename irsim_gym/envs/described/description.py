@@ -59,20 +59,20 @@ class Description(Described):
         return as_html(self)
 
 
-def describe(episodes: Episodes, info: Mapping[str, object], agent: int = 0, *, own: bool = False) -> Description:
+def describe(episodes: Episodes, info: Mapping[str, object], agent: int = 0, *, of_agent: bool = False) -> Description:
     """Return what an environment is to one of its learners.
 
     Args:
         info: An info of that learner, as the environment hands it out.
         agent: Which of the learners.
-        own: Observations and actions have the columns of this agent alone; else all that the richest agent has.
+        of_agent: Observations and actions have the columns of this agent alone; else all that the richest agent has.
     """
     task = episodes.task
     terms = episodes.terms
-    chosen, act = agent if own else None, terms["action"][0]
-    each = [(_blocks(episodes, a, own), _components(episodes, act, a)) for a in range(episodes.n_agents)]
+    chosen, act = agent if of_agent else None, terms["action"][0]
+    each = [(_blocks(episodes, a, of_agent), _components(episodes, act, a)) for a in range(episodes.n_agents)]
     blocks, _ = each[agent]
-    alike = [a for a, one in enumerate(each) if one == each[agent] and a != agent]
+    alike = [a for a, parts in enumerate(each) if parts == each[agent] and a != agent]
     numbers = {
         "deadlock_speed": f"{task.deadlock_speed:g} m/s",
         "deadlock_time": f"{task.deadlock_time:g} s",
@@ -97,7 +97,7 @@ def describe(episodes: Episodes, info: Mapping[str, object], agent: int = 0, *, 
     )
 
 
-def _blocks(episodes: Episodes, agent: int, own: bool) -> tuple[Block, ...]:
+def _blocks(episodes: Episodes, agent: int, of_agent: bool) -> tuple[Block, ...]:
     """Return the blocks of an agent's observations, in the order of the flat observation; pictures stand apart."""
     blocks: list[Block] = []
     held: Counter[str] = Counter()
@@ -106,14 +106,14 @@ def _blocks(episodes: Episodes, agent: int, own: bool) -> tuple[Block, ...]:
         columns = _columns_of(episodes, term, agent)
         if isinstance(term.options, IsImage):
             view = getattr(term.options, "view", "")
-            parts = _parts(columns, np.ones(sum(one.count for one in columns), np.bool_), (0.0, 255.0), 0)
+            parts = _parts(columns, np.ones(sum(column.count for column in columns), np.bool_), (0.0, 255.0), 0)
             blocks.append(Block(term.name, key, *said, term.image.shape[2:], parts, True, view))
             continue
         used = episodes.feature_mask[agent, term.column : term.column + low.size]
-        kept = used if own else np.ones(low.size, np.bool_)
-        if kept.any():
-            width = int(kept.sum())
-            blocks.append(Block(term.name, key, *said, (width,), _parts(columns, kept, (low, high), held[key])))
+        used_columns = used if of_agent else np.ones(low.size, np.bool_)
+        if used_columns.any():
+            width = int(used_columns.sum())
+            blocks.append(Block(term.name, key, *said, (width,), _parts(columns, used_columns, (low, high), held[key])))
             held[key] += width
     return tuple(blocks)
 
@@ -127,25 +127,25 @@ def _columns_of(episodes: Episodes, term: Term, agent: int) -> Sequence[Columns]
     return [Columns("not described", count=term.bounds[0].size)]
 
 
-def _parts(columns: Sequence[Columns], kept: Any, bounds: tuple[Any, Any], start: int) -> tuple[Part, ...]:
+def _parts(columns: Sequence[Columns], used: Any, bounds: tuple[Any, Any], start: int) -> tuple[Part, ...]:
     """Return the parts of a block, without columns that are not kept.
 
     Args:
-        kept: Which of them the agent has, ``(width,)``.
+        used: Which of them the agent has, ``(width,)``.
         bounds: Least and greatest values, ``(width,)`` or a number.
         start: Place of the first column that is kept.
     """
     parts, at = [], 0
-    lows, highs = (np.broadcast_to(bound, kept.shape) for bound in bounds)
-    for one in columns:
-        here = slice(at, at + one.count)
-        chosen = np.flatnonzero(kept[here])
-        at += one.count
+    lows, highs = (np.broadcast_to(bound, used.shape) for bound in bounds)
+    for column in columns:
+        span = slice(at, at + column.count)
+        chosen = np.flatnonzero(used[span])
+        at += column.count
         if not len(chosen):
             continue
-        low, high = (float(values[here][chosen].min()) for values in (lows, -highs))
-        sectors = _degrees([one.sectors[k] for k in chosen]) if one.sectors else ()
-        parts.append(Part(start, start + len(chosen), one.meaning, one.scale, low, -high + 0.0, sectors))
+        low, high = (float(values[span][chosen].min()) for values in (lows, -highs))
+        sectors = _degrees([column.sectors[k] for k in chosen]) if column.sectors else ()
+        parts.append(Part(start, start + len(chosen), column.meaning, column.scale, low, -high + 0.0, sectors))
         start += len(chosen)
     return tuple(parts)
 
@@ -172,8 +172,8 @@ def _action(episodes: Episodes, term: Term, agent: int, space: str) -> Action:
     choices: tuple[tuple[float, ...], ...] = ()
     if episodes.n_discrete and isinstance(term.options, TellsActions):
         low, high, _ = _limits(episodes, agent)
-        asked = term.options.samples(term)[agent][:, : len(low)]
-        commands = 0.5 * (low + high) + asked * (0.5 * (high - low))
+        example = term.options.samples(term)[agent][:, : len(low)]
+        commands = 0.5 * (low + high) + example * (0.5 * (high - low))
         choices = tuple(map(tuple, (commands + 0.0).tolist()))
     components = _components(episodes, term, agent)
     return Action(term.name, first_sentence(type(term.options)), space, components, choices)
@@ -194,18 +194,18 @@ def _when(term: Term) -> str:
 def _infos(info: Mapping[str, object]) -> list[Info]:
     """Return the keys of an info with what they mean, which their arrays declare."""
     declared = EpisodeState.columns()
-    found = []
+    infos = []
     for key in info:
         name = STATE_NAMES.get(key, key)
         if "/" in key:
-            found.append(Info(key, "", f"what the term {key.split('/', 1)[1]} paid in the step"))
+            infos.append(Info(key, "", f"what the term {key.split('/', 1)[1]} paid in the step"))
         elif name in declared:
             codes = ", ".join(f"{code.value} {code.name}" for code in CODES.get(key, ()))
             column = declared[name]
-            found.append(Info(key, column.unit, f"{column.meaning}: {codes}" if codes else column.meaning))
+            infos.append(Info(key, column.unit, f"{column.meaning}: {codes}" if codes else column.meaning))
         else:
-            found.append(Info(key, "", (OF_TEAMS | EXTRAS).get(key, "not described")))
-    return found
+            infos.append(Info(key, "", (OF_TEAMS | EXTRAS).get(key, "not described")))
+    return infos
 
 
 def _short(space: Space[Any]) -> str:

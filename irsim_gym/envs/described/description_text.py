@@ -116,13 +116,13 @@ def sheets(description: Described) -> Iterator[Sheet]:
     rows = [row for block in description.blocks for row in _block_rows(block, description.form)]
     yield Sheet("observation", ("columns", "block", "from", "to", "what it holds"), tuple(rows), 4)
     yield from _action_sheets(description)
-    paid = [(one.name, one.role, f"{one.sign}, weight {one.weight:g}", one.when) for one in description.rewards]
+    paid = [(item.name, item.role, f"{item.sign}, weight {item.weight:g}", item.when) for item in description.rewards]
     yield Sheet("reward: the sum of", ("term", "role", "sign", "when it pays"), tuple(paid), 3)
-    ends = [(one.name, one.outcome, one.when) for one in description.endings]
+    ends = [(item.name, item.outcome, item.when) for item in description.endings]
     ends.append(("time limit", "TIMEOUT", f"after {description.max_steps} steps; truncated, the others terminate"))
     yield Sheet("an episode ends, of several the first counts", ("ending", "outcome", "when"), tuple(ends), 2)
     yield Sheet("numbers of the task", ("key", "value"), description.numbers, 1)
-    infos = tuple((one.key, one.unit, one.meaning) for one in description.infos)
+    infos = tuple((item.key, item.unit, item.meaning) for item in description.infos)
     yield Sheet("info", ("key", "unit", "meaning"), infos, 2)
 
 
@@ -147,13 +147,13 @@ def _action_sheets(description: Described) -> Iterator[Sheet]:
     action = description.action
     heads = ("component", "-1 means", "1 means", "changes at most")
     rows = []
-    for k, one in enumerate(action.components):
-        change = f"{one.most_change:g} {one.unit}/s".strip() if math.isfinite(one.most_change) else "without a limit"
-        rows.append((f"{k}  {one.name}", f"{one.low:g} {one.unit}", f"{one.high:g} {one.unit}", change))
+    for k, item in enumerate(action.components):
+        change = f"{item.most_change:g} {item.unit}/s".strip() if math.isfinite(item.most_change) else "without a limit"
+        rows.append((f"{k}  {item.name}", f"{item.low:g} {item.unit}", f"{item.high:g} {item.unit}", change))
     if action.choices:
         heads = ("component", "least", "greatest", "changes at most")
     yield Sheet(f"action {action.name}: {action.summary}", heads, tuple(rows), 3)
     if 0 < len(action.choices) <= MOST_CHOICES:
-        names = tuple(f"{one.name} [{one.unit}]" for one in action.components)
+        names = tuple(f"{item.name} [{item.unit}]" for item in action.components)
         choices = [(str(k), *(f"{value:.4g}" for value in row)) for k, row in enumerate(action.choices)]
         yield Sheet("choices", ("choice", *names), tuple(choices), len(names))

@@ -164,8 +164,8 @@ class Described:
     @property
     def needs(self) -> Needs:
         """What a robot must have to observe all of it, as far as the observations say."""
-        known = {need for block in self.blocks for need in block.needs or ()}
-        return tuple(need for need in NEEDS if need in known)
+        kinds = {need for block in self.blocks for need in block.needs or ()}
+        return tuple(need for need in NEEDS if need in kinds)
 
     def block(self, name: str) -> Block:
         """Return the block of an observation; KeyError where the task has none of that name."""

@@ -74,26 +74,26 @@ def register_scenarios(folder: str | Path, namespace: str = NAMESPACE) -> tuple[
     return ids
 
 
-def _register(one: str, kwargs: dict[str, Any]) -> None:
+def _register(env_id: str, kwargs: dict[str, Any]) -> None:
     """Register an id; a second call with the same scenario does nothing. PettingZoo gets it when it is imported."""
-    known = gymnasium.registry.get(one)
-    if known is None:
-        gymnasium.register(one, ENTRY_POINT, vector_entry_point=VECTOR_ENTRY_POINT, kwargs=kwargs)
-        gymnasium.registry[one] = scenario_spec(gymnasium.registry[one])
+    spec = gymnasium.registry.get(env_id)
+    if spec is None:
+        gymnasium.register(env_id, ENTRY_POINT, vector_entry_point=VECTOR_ENTRY_POINT, kwargs=kwargs)
+        gymnasium.registry[env_id] = scenario_spec(gymnasium.registry[env_id])
         # `import irsim_gym` must not load PettingZoo, which few need and which sets variables of SDL for the process.
-        register_post_import_hook(partial(_register_parallel, one, kwargs), "pettingzoo")
-    elif known.kwargs != kwargs:
-        taken, wanted = (source.get("scenario", "any file") for source in (known.kwargs, kwargs))
+        register_post_import_hook(partial(_register_parallel, env_id, kwargs), "pettingzoo")
+    elif spec.kwargs != kwargs:
+        taken, title = (source.get("scenario", "any file") for source in (spec.kwargs, kwargs))
         raise IrsimGymError(
-            f"the id '{one}' is taken by {taken}; rename {wanted} or register it under another namespace"
+            f"the id '{env_id}' is taken by {taken}; rename {title} or register it under another namespace"
         )
 
 
-def _register_parallel(one: str, kwargs: dict[str, Any], pettingzoo: Any) -> None:
+def _register_parallel(env_id: str, kwargs: dict[str, Any], pettingzoo: Any) -> None:
     """Register an id in the registry of PettingZoo, which it has from version 1.27 on."""
     if hasattr(pettingzoo, "parallel_registry"):
-        pettingzoo.parallel_registry.pop(one, None)  # it would warn of one that it has already
-        pettingzoo.register("parallel", one, PARALLEL_ENTRY_POINT, kwargs=kwargs)
+        pettingzoo.parallel_registry.pop(env_id, None)  # it would warn of one that it has already
+        pettingzoo.register("parallel", env_id, PARALLEL_ENTRY_POINT, kwargs=kwargs)
 
 
 def make(
@@ -121,7 +121,7 @@ def make(
         disable_env_checker: True leaves out Gymnasium's checks of the first steps.
         **parameters: Values for the scenario's parameters.
     """
-    given = _given(
+    options = _given(
         task=task,
         max_steps=max_steps,
         max_episode_steps=max_episode_steps,
@@ -130,8 +130,8 @@ def make(
         numpy_infos=numpy_infos,
         disable_env_checker=disable_env_checker,
     )
-    one, kwargs = _resolve(scenario, {**given, **parameters})
-    return Environment(gymnasium.make(one, **kwargs))
+    env_id, kwargs = _resolve(scenario, {**options, **parameters})
+    return Environment(gymnasium.make(env_id, **kwargs))
 
 
 def make_vec(
@@ -167,7 +167,7 @@ def make_vec(
         wrappers: With these modes, wrappers around each single environment.
         **parameters: Values for the scenario's parameters.
     """
-    given = _given(
+    options = _given(
         task=task,
         max_steps=max_steps,
         max_episode_steps=max_episode_steps,
@@ -179,9 +179,9 @@ def make_vec(
         vector_kwargs=vector_kwargs,
         wrappers=wrappers,
     )
-    _refuse_for_singles(given)
-    one, kwargs = _resolve(scenario, {**given, **parameters})
-    return gymnasium.make_vec(one, num_envs=num_envs, **kwargs)
+    _refuse_for_singles(options)
+    env_id, kwargs = _resolve(scenario, {**options, **parameters})
+    return gymnasium.make_vec(env_id, num_envs=num_envs, **kwargs)
 
 
 def _given(**chosen: object) -> dict[str, Any]:
@@ -208,9 +208,9 @@ def spec_of(scenario: Any, kwargs: dict[str, Any]) -> ScenarioSpec:
 
     Keywords that say nothing (None, and their defaults) are left out.
     """
-    one, given = _resolve(scenario, _given(**kwargs))
-    spec = copy(scenario_spec(gymnasium.registry[one]))
-    spec.kwargs = {**spec.kwargs, **given}
+    env_id, options = _resolve(scenario, _given(**kwargs))
+    spec = copy(scenario_spec(gymnasium.registry[env_id]))
+    spec.kwargs = {**spec.kwargs, **options}
     return batch_spec(spec)
 
 

@@ -10,10 +10,10 @@ def agent_values(episodes: Episodes, world: int) -> list[dict[str, Any]]:
     """Return what a replay shows of each agent: outcome, action, rewards and the state of its episode."""
     simulation, view = episodes.simulation, episodes.view
     begun = bool(simulation.state.step[world])
-    found = []
+    agents = []
     for a, numbers in enumerate(telemetry(simulation, world, simulation.agents)):
         size = int(episodes.action_sizes[a])
-        found.append(
+        agents.append(
             {
                 **numbers,
                 "outcome": Outcome(int(view.infos["outcome"][world, a])).name.lower(),
@@ -22,4 +22,4 @@ def agent_values(episodes: Episodes, world: int) -> list[dict[str, Any]]:
                 "terms": dict(zip(episodes.reward_names, view.reward_terms[world, a].tolist(), strict=True)),
             }
         )
-    return found
+    return agents

@@ -111,10 +111,10 @@ class WorldVectorEnv(ManyWorlds, VectorEnv[Observation, Any, NDArray[Any]]):  # 
                 goes on with the next levels.
             options: ``reset_mask`` (bool array ``(num_envs,)``), ``split`` and ``level``.
         """
-        given = dict(options or {})
-        mask = self._mask(given.pop("reset_mask")) if "reset_mask" in given else None
+        choices = dict(options or {})
+        mask = self._mask(choices.pop("reset_mask")) if "reset_mask" in choices else None
         seeds = self._seed_list(seed)
-        levels = self._option_list(given)
+        levels = self._option_list(choices)
         chosen = list(range(self.num_envs)) if mask is None else np.flatnonzero(mask).tolist()
         self.worlds.begin(chosen, [seeds[w] for w in chosen], [levels[w] for w in chosen], self._draw)
         for w in chosen:
@@ -218,8 +218,8 @@ class WorldVectorEnv(ManyWorlds, VectorEnv[Observation, Any, NDArray[Any]]):  # 
             AttributeError: A world of a batch has none of that name.
         """
         if name in ("np_random", "np_random_seed"):
-            found: tuple[Any, ...] = getattr(self, name)
-            return found
+            answers: tuple[Any, ...] = getattr(self, name)
+            return answers
         values = [view.get_wrapper_attr(name) for view in self._shown()]
         return tuple(value(*args, **kwargs) if callable(value) else value for value in values)
 
@@ -292,7 +292,7 @@ class WorldVectorEnv(ManyWorlds, VectorEnv[Observation, Any, NDArray[Any]]):  # 
             return [checked_seed(int(seed) + w) for w in range(self.num_envs)]
         if len(seed) != self.num_envs:
             raise ValueError(f"a list of seeds needs one for each of the {self.num_envs} worlds, got {len(seed)}")
-        return [None if one is None else checked_seed(int(one)) for one in seed]
+        return [None if number is None else checked_seed(int(number)) for number in seed]
 
     def _option_list(self, options: Mapping[str, Any]) -> list[Mapping[str, Any]]:
         """Return the options of each world: a single level counts up over the worlds."""
@@ -305,7 +305,7 @@ class WorldVectorEnv(ManyWorlds, VectorEnv[Observation, Any, NDArray[Any]]):  # 
             raise ValueError(
                 f"options['level'] needs one level for each of the {self.num_envs} worlds, got {len(level)}"
             )
-        return [{**options, "level": one} for one in level]
+        return [{**options, "level": value} for value in level]
 
     def _mask(self, mask: object) -> Flags:
         if not isinstance(mask, np.ndarray):
@@ -340,5 +340,5 @@ def checked_autoreset(mode: AutoresetMode | str) -> AutoresetMode:
     try:
         return AutoresetMode(mode)
     except ValueError:
-        names = ", ".join(f"'{known.value}'" for known in AutoresetMode)
+        names = ", ".join(f"'{mode.value}'" for mode in AutoresetMode)
         raise ValueError(f"autoreset_mode must be one of {names}, got {mode!r}") from None

@@ -104,7 +104,7 @@ class WorldView(ReadableWorld):
             return getattr(self, name)
         if name in ("reset", "step", "close"):
             raise AttributeError(f"worlds of a batch {name} together: call {name}() of the batch")
-        names = [known for known in (*dir(type(self)), *self.__dict__) if not known.startswith("_")]
+        names = [entry for entry in (*dir(type(self)), *self.__dict__) if not entry.startswith("_")]
         raise AttributeError(f"a world of a batch has no attribute {name!r}{suggestion(name, names)}")
 
     def set_wrapper_attr(self, name: str, value: object, *, force: bool = True) -> bool:

@@ -162,8 +162,8 @@ class Worlds:
         """
         following: list[int] = []
         first: dict[str, tuple[list[int], list[int]]] = {}
-        wanted = [read_options(option) for option in options]
-        for w, seed, (split, level) in zip(worlds, seeds, wanted, strict=True):
+        choices = [read_options(option) for option in options]
+        for w, seed, (split, level) in zip(worlds, seeds, choices, strict=True):
             same = self.begun[w] and split in (None, self._splits[w])
             if level is None and seed is None and same:
                 following.append(w)
@@ -268,13 +268,13 @@ class Worlds:
         return self._mirror
 
     def describe(
-        self, agent: str | int = 0, *, own: bool = False, more: Mapping[str, object] | None = None
+        self, agent: str | int = 0, *, of_agent: bool = False, more: Mapping[str, object] | None = None
     ) -> Description:
         """Return what observations, actions, rewards, endings and infos mean to a learner.
 
         Args:
             agent: Its name, or its number among the learners.
-            own: Leave out columns and components that mean nothing to it.
+            of_agent: Leave out columns and components that mean nothing to it.
             more: What its infos hold besides those of ``info_of``.
 
         Raises:
@@ -284,7 +284,7 @@ class Worlds:
         if isinstance(agent, str) and agent not in names:
             raise UnknownNameError(f"no agent named {agent!r}{suggestion(agent, names)}")
         a = names.index(agent) if isinstance(agent, str) else agent
-        return describe(self.episodes, {**self.info_of(0, a), **(more or {})}, a, own=own)
+        return describe(self.episodes, {**self.info_of(0, a), **(more or {})}, a, of_agent=of_agent)
 
     def close(self) -> None:
         """Close the window and free the renderers; everything else is plain memory."""
@@ -303,8 +303,8 @@ def _warn_of_idle_robots(scenario: Scenario, task: Task) -> None:
 
 def _loaded(scenario: ScenarioSource | None, parameters: Mapping[str, object], strict: bool) -> Scenario:
     if scenario is None:
-        given = f"gymnasium.make('{ANY}', scenario='my_world.yaml')"
-        raise MissingScenarioError(f"no scenario given: {given} takes {SOURCES}")
+        way = f"gymnasium.make('{ANY}', scenario='my_world.yaml')"
+        raise MissingScenarioError(f"no scenario given: {way} takes {SOURCES}")
     if not isinstance(scenario, Scenario):
         with given_as_keywords():
             return load_scenario(scenario, parameters, strict=strict)

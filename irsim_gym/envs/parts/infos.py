@@ -127,8 +127,8 @@ class Infos:
         return self._together or [np.stack(columns) for columns in self._columns]
 
     def _find_blocks(self) -> None:
-        found = [block for block in map(_block, self._columns) if block is not None]
-        self._together = found if len(found) == len(self._columns) else []
+        blocks = [block for block in map(_block, self._columns) if block is not None]
+        self._together = blocks if len(blocks) == len(self._columns) else []
         self._flat = [block.reshape(len(block), -1) for block in self._together]
         self._flat_terms = self._terms.reshape(self._n_worlds * self._n_agents, self._terms.shape[2])
         columns = [*chain(*self._columns), self._terms, self._extra, self._reward, *self._ends]
@@ -164,8 +164,8 @@ class Record:
     def note(self, places: Ints) -> None:
         """Copy the present infos of some agents."""
         *blocks, terms, extra = self._infos.now()
-        *kept, kept_terms, kept_extra = self._parts
-        for ours, block in zip(kept, blocks, strict=True):
+        *columns_before, kept_terms, kept_extra = self._parts
+        for ours, block in zip(columns_before, blocks, strict=True):
             ours[:, places] = block.take(places, axis=1)
         kept_terms[places], kept_extra[places] = terms.take(places, axis=0), extra.take(places, axis=0)
 
@@ -190,8 +190,8 @@ def _rows(parts: Sequence[NDArray[Any]], places: Ints) -> list[Row]:
 def _block(columns: Sequence[NDArray[Any]]) -> NDArray[Any] | None:
     """Return the array that has these columns as rows; None where they do not lie side by side."""
     first = columns[0]
-    for k, one in enumerate(columns):
-        if one.base is None or one.base is not first.base or one.ctypes.data != first.ctypes.data + k * first.nbytes:
+    for k, item in enumerate(columns):
+        if item.base is None or item.base is not first.base or item.ctypes.data != first.ctypes.data + k * first.nbytes:
             return None
     return as_strided(first, (len(columns), *first.shape), (first.nbytes, *first.strides))
 
@@ -199,11 +199,11 @@ def _block(columns: Sequence[NDArray[Any]]) -> NDArray[Any] | None:
 def _row_reader(columns: Sequence[NDArray[Any]]) -> Callable[[], Row] | None:
     """Return a function that reads all columns of one world as Python numbers; None where they lie apart."""
     first, layout = columns[0], "@"
-    for one in columns:
-        layout += f"0{one.dtype.char}"
-        if one.base is not first.base or one.ctypes.data != first.ctypes.data + struct.calcsize(layout):
+    for item in columns:
+        layout += f"0{item.dtype.char}"
+        if item.base is not first.base or item.ctypes.data != first.ctypes.data + struct.calcsize(layout):
             return None
-        layout += f"{one.size}{one.dtype.char}"
+        layout += f"{item.size}{item.dtype.char}"
     if not isinstance(first.base, np.ndarray):
         return None
     begin = first.ctypes.data - first.base.ctypes.data

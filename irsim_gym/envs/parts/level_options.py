@@ -40,15 +40,15 @@ def checked_choice(levels: Sequence[int] | Ints, count: int) -> Ints:
     Raises:
         ValueError: They are no whole numbers from -1 on, or not so many.
     """
-    given = np.asarray(levels)
-    if given.shape != (count,) or given.dtype.kind not in "iu":
+    numbers = np.asarray(levels)
+    if numbers.shape != (count,) or numbers.dtype.kind not in "iu":
         raise ValueError(f"levels must hold a whole number for each of {count} worlds, got {levels!r}")
-    wrong = (given < CHAIN) | (given > LAST)
+    wrong = (numbers < CHAIN) | (numbers > LAST)
     if wrong.any():
         raise ValueError(
-            f"levels must be from 0 to {LAST}, or {CHAIN} for the next of the chain, got {given[wrong][0]}"
+            f"levels must be from 0 to {LAST}, or {CHAIN} for the next of the chain, got {numbers[wrong][0]}"
         )
-    return given.astype(np.int64)
+    return numbers.astype(np.int64)
 
 
 def fresh_level(w: int) -> int:

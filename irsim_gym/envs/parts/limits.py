@@ -63,8 +63,8 @@ class ScenarioSpec(EnvSpec):
     @property
     def kept(self) -> tuple[int, int | None] | None:
         """Limit and ``max_steps`` of the environment that was made from it; None where that is not known."""
-        kwargs, kept = self.__dict__.get("_kept", (None, None))
-        return kept if kwargs is self.kwargs else None
+        kwargs, limits = self.__dict__.get("_kept", (None, None))
+        return limits if kwargs is self.kwargs else None
 
     def to_json(self) -> str:
         """Return it as JSON; TypeError where it holds a loaded scenario, an object."""
@@ -89,16 +89,16 @@ def scenario_spec(spec: EnvSpec) -> ScenarioSpec:
 
 def batch_spec(spec: EnvSpec) -> ScenarioSpec:
     """Return the spec of a batch as ``make_vec`` sets it, with ``max_episode_steps`` where a single one has it."""
-    made = scenario_spec(spec)
-    made.max_episode_steps = made.kwargs.pop("max_episode_steps", None)
-    return made
+    batch = scenario_spec(spec)
+    batch.max_episode_steps = batch.kwargs.pop("max_episode_steps", None)
+    return batch
 
 
 def single_spec(spec: ScenarioSpec) -> ScenarioSpec:
     """Return the spec of a single environment like those of a batch."""
-    one = copy(spec)
-    one.kwargs = {name: value for name, value in spec.kwargs.items() if name not in OF_BATCHES}
-    return one
+    single = copy(spec)
+    single.kwargs = {name: value for name, value in spec.kwargs.items() if name not in OF_BATCHES}
+    return single
 
 
 def task_limit(kwargs: Mapping[str, Any]) -> int | None:

@@ -42,36 +42,37 @@ class Mirror:
     choices: Ints
     action: Mirrored
 
-    def observation(self, given: Observation, *, channels_first: bool = False) -> Observation:
+    def observation(self, observed: Observation, *, channels_first: bool = False) -> Observation:
         """Return mirrored observations, of the same form as the given ones.
 
         Args:
-            given: Observations, of shape ``(..., width)`` or ``(..., height, width, n_channels)``, or a dict of them.
+            observed: Observations, of shape ``(..., width)`` or ``(..., height, width, n_channels)``, or a dict of
+                them.
             channels_first: Images have the shape ``(..., n_channels, height, width)``.
         """
-        if isinstance(given, dict):
-            return {key: self._part(key, part, channels_first) for key, part in given.items()}
-        return self._part("", given, channels_first)
+        if isinstance(observed, dict):
+            return {key: self._part(key, part, channels_first) for key, part in observed.items()}
+        return self._part("", observed, channels_first)
 
-    def actions(self, given: NDArray[Any]) -> NDArray[Any]:
+    def actions(self, actions: NDArray[Any]) -> NDArray[Any]:
         """Return mirrored actions.
 
         Args:
-            given: Actions in [-1, 1], of shape ``(..., n_components)``, or choices of any shape.
+            actions: Actions in [-1, 1], of shape ``(..., n_components)``, or choices of any shape.
 
         Returns:
-            Mirrored actions, of the shape of ``given``.
+            Mirrored actions, of the shape of ``actions``.
         """
         if self.choices.size:
-            return self.choices[given.astype(np.int64)].astype(given.dtype)
-        mirrored: NDArray[Any] = given[..., self.action.columns] * self.action.signs
+            return self.choices[actions.astype(np.int64)].astype(actions.dtype)
+        mirrored: NDArray[Any] = actions[..., self.action.columns] * self.action.signs
         return mirrored
 
-    def _part(self, key: str, given: NDArray[Any], channels_first: bool) -> NDArray[Any]:
+    def _part(self, key: str, values: NDArray[Any], channels_first: bool) -> NDArray[Any]:
         if key in self.images:
-            return given.take(self.images[key], axis=-1 if channels_first else -2)
+            return values.take(self.images[key], axis=-1 if channels_first else -2)
         columns = self.vectors[key]
-        mirrored: NDArray[Any] = given[..., columns.columns] * columns.signs
+        mirrored: NDArray[Any] = values[..., columns.columns] * columns.signs
         return mirrored
 
 
@@ -85,16 +86,16 @@ def mirror_of(episodes: Episodes) -> Mirror:
     parts: dict[str, list[Mirrored]] = {}
     images: dict[str, Ints] = {}
     for key, term in observed(episodes):
-        found = _mirrored(term)
-        if isinstance(found, Mirrored) and isinstance(term.options, IsImage):
-            images[key] = found.columns
-        elif isinstance(found, Mirrored):
-            parts.setdefault(key, []).append(found)
+        mirrored = _mirrored(term)
+        if isinstance(mirrored, Mirrored) and isinstance(term.options, IsImage):
+            images[key] = mirrored.columns
+        elif isinstance(mirrored, Mirrored):
+            parts.setdefault(key, []).append(mirrored)
         else:
-            problems.append(found)
+            problems.append(mirrored)
     if problems:
         raise IrsimGymError(f"left and right cannot be exchanged here: {'; '.join(problems)}")
-    vectors = {key: _side_by_side(own) for key, own in parts.items()}
+    vectors = {key: _side_by_side(columns) for key, columns in parts.items()}
     action = episodes.terms["action"][0]
     command = command_exchanged(action)
     assert isinstance(command, Mirrored), "the reason is among the problems"
@@ -109,8 +110,8 @@ def _mirrored(term: Term) -> Mirrored | str:
     if not isinstance(term.options, HasMirrored):
         return f"the observation '{term.name}' does not say what it becomes (it has no method 'mirrored')"
     width = term.options.image_shape[1] if isinstance(term.options, IsImage) else term.bounds[0].size
-    found = checked_mirrored(term, width) if is_foreign(kind) else term.options.mirrored(term)
-    return f"the observation '{term.name}' {found}" if isinstance(found, str) else found
+    mirrored = checked_mirrored(term, width) if is_foreign(kind) else term.options.mirrored(term)
+    return f"the observation '{term.name}' {mirrored}" if isinstance(mirrored, str) else mirrored
 
 
 def _side_by_side(parts: list[Mirrored]) -> Mirrored:
@@ -122,10 +123,10 @@ def _side_by_side(parts: list[Mirrored]) -> Mirrored:
 def _mirrored_choices(action: Term, command: Mirrored) -> Ints:
     """Return the mirrored choice of each choice, or an empty array if one has none among them."""
     grid = np.round(action.arrays["grid"][int(action.action_sizes.argmax())], 9) + 0.0
-    known = {tuple(row): k for k, row in enumerate(grid.tolist())}
+    number = {tuple(row): k for k, row in enumerate(grid.tolist())}
     rows = (grid[:, command.columns] * command.signs.astype(np.float64) + 0.0).tolist()
-    found = [known.get(tuple(row), -1) for row in rows]
-    return np.array(found if -1 not in found else [], np.int64)
+    mirrored = [number.get(tuple(row), -1) for row in rows]
+    return np.array(mirrored if -1 not in mirrored else [], np.int64)
 
 
 def _of_action(episodes: Episodes) -> Iterator[str]:
@@ -177,10 +178,10 @@ def _of_bodies(episodes: Episodes) -> Iterator[str]:
 
 def _of_sensor(episodes: Episodes, name: str, body: int) -> Iterator[str]:
     """Yield why a body's range sensor has no mirror."""
-    found = episodes.simulation.scan(body)
-    if found is None:
+    sensor = episodes.simulation.scan(body)
+    if sensor is None:
         return
-    group, member = found
+    group, member = sensor
     if is_foreign(group.kind):
         yield f"the range sensor of '{name}' is a plugin's, and nothing says what its beams become"
         return
@@ -200,5 +201,5 @@ def _is_symmetrical(segments: NDArray[Any], discs: NDArray[Any]) -> bool:
 def _parts(segments: NDArray[Any], discs: NDArray[Any]) -> tuple[set[Any], set[Any]]:
     """Return segments without direction, and discs, rounded to nanometres."""
     ends = np.round(segments, 9) + 0.0
-    lines = {frozenset([tuple(one[:2]), tuple(one[2:])]) for one in ends.tolist()}
-    return lines, {tuple(one) for one in (np.round(discs, 9) + 0.0).tolist()}
+    lines = {frozenset([tuple(end[:2]), tuple(end[2:])]) for end in ends.tolist()}
+    return lines, {tuple(disc) for disc in (np.round(discs, 9) + 0.0).tolist()}

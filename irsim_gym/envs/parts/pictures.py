@@ -266,8 +266,8 @@ def make_renderer(simulation: Simulation, **options: Any) -> Renderer:
     from irsim_gym.rendering import Renderer
 
     parts = simulation.scenario, simulation.model, simulation.state, simulation.sensors
-    given: dict[str, Any] = {"learners": simulation.agents.tolist(), "explored": simulation.explored}
-    return Renderer(*parts, **(given | {"marks": simulation.marks} | options))
+    options_here: dict[str, Any] = {"learners": simulation.agents.tolist(), "explored": simulation.explored}
+    return Renderer(*parts, **(options_here | {"marks": simulation.marks} | options))
 
 
 def render_warning(mode: str | None) -> None:

@@ -102,8 +102,8 @@ class MaskedReplayBuffer(ReplayBuffer):
         """Store a transition of each slot that acted; see ``ReplayBuffer.add``."""
         slots, rows = _places(self, infos)
         for stored, seen in ((self.observations, obs), (self.next_observations, next_obs)):
-            for part, given in zip(_parts(stored), _parts(seen), strict=True):
-                part[rows, 0] = given[slots]
+            for part, fresh in zip(_parts(stored), _parts(seen), strict=True):
+                part[rows, 0] = fresh[slots]
         self.actions[rows, 0] = np.asarray(action).reshape(len(infos), self.action_dim)[slots]
         self.rewards[rows, 0] = np.asarray(reward)[slots]
         self.dones[rows, 0] = np.asarray(done)[slots]
@@ -129,8 +129,8 @@ def team_below(env: VecEnv) -> Team:
             f"{type(team).__name__} does not say which slots acted: masked algorithms, buffers and wrappers are for "
             "sb3.make_multi_agent_vec_env"
         )
-    found: Team = team
-    return found
+    below: Team = team
+    return below
 
 
 def read_mask_of(env: VecEnv, buffer: Any) -> None:

@@ -52,12 +52,12 @@ def make_vec_env(
     Raises:
         UnknownKeywordError: A batch does not take an argument; the message names what does.
     """
-    asked = {"task": task, "max_steps": max_steps, "max_episode_steps": max_episode_steps, **parameters}
+    options = {"task": task, "max_steps": max_steps, "max_episode_steps": max_episode_steps, **parameters}
     shown: dict[str, Any] = {"render_mode": checked_mode(render_mode), "strict": strict}
     named: dict[str, Any] = {"parameters": parameters, "worlds_are": "n_envs"}
     kwargs: dict[str, Any] = {"max_steps": max_steps, "outer_limit": max_episode_steps, "num_threads": num_threads}
     worlds = Worlds(scenario, n_envs, task=task, **named, **kwargs, **shown)
-    env = WorldVecEnv(worlds, spec_of(scenario, {**asked, **shown}))
+    env = WorldVecEnv(worlds, spec_of(scenario, {**options, **shown}))
     if seed is not None:
         env.seed(seed)
     return env

@@ -115,5 +115,5 @@ class _LatestEpisodes:
     def means(self) -> list[float]:
         """Return the mean sum of each reward term."""
         assert self._sums is not None
-        found: list[float] = self._sums[: self._count].mean(axis=0).tolist()
-        return found
+        means: list[float] = self._sums[: self._count].mean(axis=0).tolist()
+        return means

@@ -107,10 +107,10 @@ class GruPolicy(ActorCriticPolicy):
             deterministic: Whether to return the most probable action.
         """
         seen = self._seen(obs)
-        known, memory = self._remember(seen, memory, starts)
-        distribution = self._distribution(seen, known)
+        recalled, memory = self._remember(seen, memory, starts)
+        distribution = self._distribution(seen, recalled)
         actions = distribution.get_actions(deterministic=deterministic)
-        values = self._values(obs, seen, known)
+        values = self._values(obs, seen, recalled)
         shape = self.action_space.shape or ()
         return actions.reshape(-1, *shape), values, distribution.log_prob(actions), memory
 
@@ -119,9 +119,9 @@ class GruPolicy(ActorCriticPolicy):
     ) -> tuple[torch.Tensor, torch.Tensor, torch.Tensor | None]:
         """Return values, log-probabilities and entropies of the actions in sequences, in the order of the rows."""
         seen = self._seen(obs.observations)
-        known = self.memory(PackedSequence(seen, obs.running), obs.memory)[0].data
-        distribution = self._distribution(seen, known)
-        values = self._values(obs.observations, seen, known)
+        recalled = self.memory(PackedSequence(seen, obs.running), obs.memory)[0].data
+        distribution = self._distribution(seen, recalled)
+        values = self._values(obs.observations, seen, recalled)
         return values, distribution.log_prob(actions), distribution.entropy()
 
     def predict_values(  # type: ignore[override]
@@ -154,8 +154,8 @@ class GruPolicy(ActorCriticPolicy):
         with torch.no_grad():
             seen = self._seen(tensors)
             starts = torch.as_tensor(begins, dtype=torch.float32, device=self.device)
-            known, memory = self._remember(seen, memory, starts)
-            chosen = self._distribution(seen, known).get_actions(deterministic=deterministic)
+            recalled, memory = self._remember(seen, memory, starts)
+            chosen = self._distribution(seen, recalled).get_actions(deterministic=deterministic)
         actions: NDArray[Any] = chosen.cpu().numpy().reshape(-1, *(self.action_space.shape or ()))
         if isinstance(self.action_space, Box):
             actions = np.clip(actions, self.action_space.low, self.action_space.high)
@@ -165,22 +165,22 @@ class GruPolicy(ActorCriticPolicy):
         return self._features(obs, self.pi_features_extractor)
 
     def _features(self, obs: PyTorchObs, extractor: BaseFeaturesExtractor) -> torch.Tensor:
-        found: torch.Tensor = super(ActorCriticPolicy, self).extract_features(obs, extractor)
-        return found
+        features: torch.Tensor = super(ActorCriticPolicy, self).extract_features(obs, extractor)
+        return features
 
     def _remember(
         self, seen: torch.Tensor, memory: torch.Tensor, starts: torch.Tensor
     ) -> tuple[torch.Tensor, torch.Tensor]:
-        known, after = self.memory(seen[None], memory * (1.0 - starts)[None, :, None])
-        return known[0], after
+        recalled, after = self.memory(seen[None], memory * (1.0 - starts)[None, :, None])
+        return recalled[0], after
 
-    def _distribution(self, seen: torch.Tensor, known: torch.Tensor) -> Distribution:
-        latent = self.mlp_extractor.forward_actor(torch.cat([seen, known], dim=1))
+    def _distribution(self, seen: torch.Tensor, recalled: torch.Tensor) -> Distribution:
+        latent = self.mlp_extractor.forward_actor(torch.cat([seen, recalled], dim=1))
         return self._get_action_dist_from_latent(latent)
 
-    def _values(self, obs: PyTorchObs, seen: torch.Tensor, known: torch.Tensor) -> torch.Tensor:
+    def _values(self, obs: PyTorchObs, seen: torch.Tensor, recalled: torch.Tensor) -> torch.Tensor:
         shown = seen if self.share_features_extractor else self._features(obs, self.vf_features_extractor)
-        values: torch.Tensor = self.value_net(self.mlp_extractor.forward_critic(torch.cat([shown, known], dim=1)))
+        values: torch.Tensor = self.value_net(self.mlp_extractor.forward_critic(torch.cat([shown, recalled], dim=1)))
         return values
 
 

@@ -124,18 +124,18 @@ def common_mirror(env: VecEnv) -> Mirror:
     try:
         if not env.has_attr("mirror"):
             raise IrsimGymError(f"mirrored rows need an environment of irsim_gym, got {env.unwrapped}")
-        found: list[Mirror] = env.env_method("mirror")
+        mirrors: list[Mirror] = env.env_method("mirror")
     except (EOFError, ConnectionError) as error:
         raise IrsimGymError(
             "a worker process ended when it was asked for its mirror: call mirror() of one environment to see why"
         ) from error
-    if not all(one is found[0] or _equal(one, found[0]) for one in found):
+    if not all(mirror is mirrors[0] or _equal(mirror, mirrors[0]) for mirror in mirrors):
         raise IrsimGymError("mirrored rows need slots that observe and act alike")
-    return found[0]
+    return mirrors[0]
 
 
-def _equal(one: Mirror, other: Mirror) -> bool:
-    first, second = _tables(one), _tables(other)
+def _equal(mirror: Mirror, other: Mirror) -> bool:
+    first, second = _tables(mirror), _tables(other)
     return first.keys() == second.keys() and all(np.array_equal(first[key], second[key]) for key in first)
 
 

@@ -233,10 +233,10 @@ class WorldParallelEnv(OneWorld, ParallelEnv[str, Observation, Any]):  # type: i
         """
         if not self._begun:
             raise ResetNeeded("no episode has begun: call reset() before step()")
-        given = self._taken(actions)
+        rows = self._taken(actions)
         if not self.agents:
             return {}, {}, {}, {}, {}
-        self.worlds.step(given)
+        self.worlds.step(rows)
         view = self.worlds.episodes.view
         before = self.agents
         rewards = dict(self._each(before, view.reward))
@@ -277,7 +277,7 @@ class WorldParallelEnv(OneWorld, ParallelEnv[str, Observation, Any]):  # type: i
             UnknownNameError: There is no such agent.
         """
         first = self.possible_agents[0]
-        return self.worlds.describe(agent or 0, own=not self._padded, more=self._infos([first])[first])
+        return self.worlds.describe(agent or 0, of_agent=not self._padded, more=self._infos([first])[first])
 
     def _of(self, spaces: Mapping[str, Space[Any]], agent: str) -> Space[Any]:
         if agent not in spaces:
@@ -295,15 +295,15 @@ class WorldParallelEnv(OneWorld, ParallelEnv[str, Observation, Any]):  # type: i
         if missing:
             raise ValueError(f"no action for {', '.join(missing)}: each agent in env.agents needs one")
         n_choices, sizes = self.worlds.episodes.n_discrete, self.worlds.episodes.action_sizes.tolist()
-        given = np.zeros((1, len(sizes), 1 if n_choices else max(sizes)), np.int64 if n_choices else np.float64)
+        rows = np.zeros((1, len(sizes), 1 if n_choices else max(sizes)), np.int64 if n_choices else np.float64)
         for name in acting:
             a = self._indices[name]
             row = self._checked(name, np.asarray(actions[name]), n_choices)
-            given[0, a, : sizes[a]] = row if n_choices else row[: sizes[a]]
-        if not np.isfinite(given).all():
-            culprit = self.possible_agents[np.argwhere(~np.isfinite(given))[0, 1]]
+            rows[0, a, : sizes[a]] = row if n_choices else row[: sizes[a]]
+        if not np.isfinite(rows).all():
+            culprit = self.possible_agents[np.argwhere(~np.isfinite(rows))[0, 1]]
             raise ValueError(f"the action of '{culprit}' is not finite: {actions[culprit]}")
-        return given[..., 0] if n_choices else given
+        return rows[..., 0] if n_choices else rows
 
     def _acting(self) -> list[str]:
         """Return the agents whose episodes are under way."""
@@ -317,8 +317,8 @@ class WorldParallelEnv(OneWorld, ParallelEnv[str, Observation, Any]):  # type: i
         if row.shape != shape:
             raise ValueError(f"the action of '{name}' must have shape {shape}, got {row.shape}")
         if row.dtype.kind not in ("iu" if n_choices else "fiu"):
-            wanted = "a whole number" if n_choices else "numbers"
-            raise ValueError(f"the action of '{name}' must be {wanted}, got an array of {row.dtype}")
+            expected = "a whole number" if n_choices else "numbers"
+            raise ValueError(f"the action of '{name}' must be {expected}, got an array of {row.dtype}")
         if n_choices and not 0 <= row < n_choices:
             raise ValueError(f"the action of '{name}' is not a choice from 0 to {n_choices - 1}: {row}")
         return row
@@ -330,12 +330,12 @@ class WorldParallelEnv(OneWorld, ParallelEnv[str, Observation, Any]):  # type: i
 
     def _observations(self, names: list[str]) -> dict[str, Observation]:
         seen = self.worlds.episodes.view
-        found = {name: self._layouts[name].fresh(seen, (0, self._indices[name])) for name in names}
+        seen_by = {name: self._layouts[name].fresh(seen, (0, self._indices[name])) for name in names}
         if self.black_death:
             for name, over in self._each(names, seen.over):
                 if over:
-                    found[name] = _zeros_like(found[name])
-        return found
+                    seen_by[name] = _zeros_like(seen_by[name])
+        return seen_by
 
     def _infos(self, names: list[str]) -> dict[str, dict[str, Any]]:
         rows = self.worlds.infos.rows(np.array([self._indices[name] for name in names], np.int64))

@@ -81,7 +81,7 @@ class TorchRows:
         seen = [worlds.layout.shared(part, place) for part in (worlds.episodes.view.percepts, self.batch.last_seen)]
         self._observation, self._final = (on_each(part, torch.from_numpy) for part in seen)
         self._action_shape = (*self._paid[0][place].shape, *(self.batch.action_space.shape or ()))
-        self._shown_paid = [torch.from_numpy(one[place]) for one in self._paid]
+        self._shown_paid = [torch.from_numpy(part[place]) for part in self._paid]
         self._marks = {name: torch.from_numpy(flags[place]) for name, flags in self._flags.items()}
         self.episodes: dict[str, NDArray[Any]] = {}
         self.final_observation = self._shown(self._final)
@@ -129,12 +129,12 @@ class TorchRows:
             ResetNeeded: A world has not begun an episode.
             ValueError: The actions have a wrong shape or are not finite.
         """
-        batch, given = self.batch, actions.detach().cpu().numpy()
-        if given.shape != self._action_shape:
-            raise ValueError(f"actions must have shape {self._action_shape}, got {given.shape}")
+        batch, rows = self.batch, actions.detach().cpu().numpy()
+        if rows.shape != self._action_shape:
+            raise ValueError(f"actions must have shape {self._action_shape}, got {rows.shape}")
         if batch is not self._env:
-            given = given[:, None]
-        reward, terminated, truncated, acted = batch.advance(given)
+            rows = rows[:, None]
+        reward, terminated, truncated, acted = batch.advance(rows)
         ended, cost = terminated | truncated, acted * batch.worlds.episodes.view.infos.get("cost", 0)
         self.episodes = self._ended(ended)
         began = batch.begin_again(ended)
@@ -162,7 +162,7 @@ class TorchRows:
         for name, values in flags.items():
             self._flags[name][...] = values
         self.observation = self._shown(self._observation)
-        self.reward, self.cost = (self._moved(one) for one in self._shown_paid)
+        self.reward, self.cost = (self._moved(part) for part in self._shown_paid)
         self.terminated, self.truncated, self.acted, self.live, self.began = (
             self._moved(self._marks[name]) for name in FLAGS
         )

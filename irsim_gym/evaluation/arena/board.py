@@ -45,12 +45,12 @@ class Board:
     @classmethod
     def of(cls, rows: Mapping[str, Sequence[Row]]) -> Board:
         """Make a board from the rows of policies that all played the same levels, in the same order."""
-        found = {policy: [_agents(row) for row in own] for policy, own in rows.items()}
-        levels = [tuple(row.level for row in own) for own in rows.values()]
+        agents_by_policy = {policy: [_agents(row) for row in policy_rows] for policy, policy_rows in rows.items()}
+        levels = [tuple(row.level for row in policy_rows) for policy_rows in rows.values()]
         assert len(set(levels)) == 1, "all policies must have played the same levels"
 
         def table(read: Callable[[tuple[EpisodeRow, ...]], float]) -> list[list[float]]:
-            return [[read(agents) for agents in own] for own in found.values()]
+            return [[read(agents) for agents in policy_agents] for policy_agents in agents_by_policy.values()]
 
         return cls(
             policies=tuple(rows),
@@ -60,7 +60,7 @@ class Board:
             steps=np.array(table(lambda agents: max(row.steps for row in agents)), np.int64),
             time=np.array(table(lambda agents: max(row.time for row in agents)), np.float64),
             spl=np.array(table(lambda agents: mean([row.spl for row in agents])), np.float64),
-            agents=len(next(iter(found.values()))[0]),
+            agents=len(next(iter(agents_by_policy.values()))[0]),
         )
 
     @property

@@ -93,32 +93,32 @@ def arena(
     place, sources = Path(folder), sources_of(policies, levels)
     check_split(split)
     check_no_results(place, overwrite)
-    asked = ScenarioRequest(scenario, task, team, parameters, strict)
-    players, seeds, worlds = prepare(asked, sources, min(WORLDS, levels))
-    found = play(players, seeds, worlds, levels, split, team=team, console=console)
-    standings, board = stand(found), Board.of(found.rows)
-    told = {**_told(asked, found, worlds), "policies": _entrants(sources, found.observes)}
-    summary = write_results(place, found, worlds.episodes, arena=told, **standings.figures())
+    request = ScenarioRequest(scenario, task, team, parameters, strict)
+    players, seeds, worlds = prepare(request, sources, min(WORLDS, levels))
+    evaluation = play(players, seeds, worlds, levels, split, team=team, console=console)
+    standings, board = stand(evaluation), Board.of(evaluation.rows)
+    told = {**_told(request, evaluation, worlds), "policies": _entrants(sources, evaluation.observes)}
+    summary = write_results(place, evaluation, worlds.episodes, arena=told, **standings.figures())
     chosen = choose_episodes(board, max(replays, 0))
     recorded = record_episodes(board, list(players.values()), worlds, split, chosen)
-    data = page_data(found.title, board, standings, summary)
+    data = page_data(evaluation.title, board, standings, summary)
     with progress_bar(console) as bar:
         track = bar.track(recorded, total=len(chosen), description="recording")
         write_page(place / PAGE, data, board, track, chosen)
-    return Arena(found, standings, place / PAGE)
+    return Arena(evaluation, standings, place / PAGE)
 
 
-def _told(asked: ScenarioRequest, found: Evaluation, worlds: Perceived) -> dict[str, Any]:
+def _told(request: ScenarioRequest, evaluation: Evaluation, worlds: Perceived) -> dict[str, Any]:
     """Return a description of what is played, as plain data."""
     return {
-        "scenario": found.scenario,
-        "source": _place_of(asked.scenario),
-        "task": _place_of(asked.task),
-        "scenario_sha256": snapshot_of(worlds.episodes.simulation.scenario, asked.task).digest,
-        "split": found.split,
-        "levels": found.level_set.count,
-        **found.level_set.conditions(),
-        "team": asked.team,
+        "scenario": evaluation.scenario,
+        "source": _place_of(request.scenario),
+        "task": _place_of(request.task),
+        "scenario_sha256": snapshot_of(worlds.episodes.simulation.scenario, request.task).digest,
+        "split": evaluation.split,
+        "levels": evaluation.level_set.count,
+        **evaluation.level_set.conditions(),
+        "team": request.team,
         "irsim_gym": __version__,
     }
 

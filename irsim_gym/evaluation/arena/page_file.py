@@ -56,13 +56,13 @@ def write_page(
         texts.append(text)
     left = {"failures": count_failures(board), "shown": failed, "unlike": unlike}
     colours = {**theme.OUTCOMES, "deadlock": theme.RUNNING}
-    known = {"theme": vocabulary.page_constants(), "colours": colours, **shared.data()}
+    constants = {"theme": vocabulary.page_constants(), "colours": colours, **shared.data()}
     parts = player_parts()
     parts["style"] += page_part("arena.css", __package__)
     parts["script"] += "".join(f"\n{page_part(f'{name}.js', __package__)}" for name in SCRIPTS)
     parts |= {"title": html.escape(data["title"]), "kind": ""}
     parts["body"] = filled(page_part("arena.html", __package__), parts)
-    everything = deflated({**data, **known, "replays": told, "left": left})
+    everything = deflated({**data, **constants, "replays": told, "left": left})
     replays = (held(f"replay-{i}", text) for i, text in enumerate(texts))
     parts["data"] = "\n".join((held("data", everything), *replays))
     with whole_file(path) as part:

@@ -52,16 +52,16 @@ class Standings:
         return {"pairs": self.pairs, "difficulty": strata}
 
 
-def stand(found: Evaluation) -> Standings:
+def stand(evaluation: Evaluation) -> Standings:
     """Compare the policies of an evaluation."""
-    board = Board.of(found.rows)
-    certificate, quarters = found.level_set.certificate, found.level_set.quarters
+    board = Board.of(evaluation.rows)
+    certificate, quarters = evaluation.level_set.certificate, evaluation.level_set.quarters
     if certificate is None or quarters is None:
         by, strata = PEERS, strata_of_peers(board)
     else:
         by = f"by how many of {', '.join(certificate.policies)} fail, in quarters"
         strata = strata_of_quarters(board, quarters)
-    return Standings(found.summaries, compare_pairs(list(found.rows), board.success, board.spl), by, strata)
+    return Standings(evaluation.summaries, compare_pairs(list(evaluation.rows), board.success, board.spl), by, strata)
 
 
 def strata_of_peers(board: Board) -> list[Stratum]:

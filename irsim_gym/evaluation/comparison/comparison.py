@@ -57,7 +57,7 @@ def evaluate(
         IrsimGymError: If a policy does not exist, or does not fit the task.
     """
     sources = sources_of(policies, levels)
-    _warn_of_changes(scenario, [one for several in by_method(sources).values() for one in several], task, strict)
+    _warn_of_changes(scenario, [source for several in by_method(sources).values() for source in several], task, strict)
     return evaluate_policies(
         ScenarioRequest(scenario, task, team, parameters, strict),
         sources,
@@ -86,6 +86,6 @@ def _warn_of_changes(scenario: ScenarioSource, sources: Sequence[Source], task: 
     if not isinstance(scenario, str | Path) or not isinstance(task, str | Path | None):
         return
     for source in sources:
-        found = changes_since(scenario, source, task, strict=strict) if isinstance(source, str | Path) else []
-        if found:
-            warnings.warn(change_message(scenario, str(source), found), ChangedScenarioWarning, stacklevel=3)
+        changes = changes_since(scenario, source, task, strict=strict) if isinstance(source, str | Path) else []
+        if changes:
+            warnings.warn(change_message(scenario, str(source), changes), ChangedScenarioWarning, stacklevel=3)

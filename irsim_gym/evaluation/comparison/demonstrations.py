@@ -141,14 +141,14 @@ def load_demonstrations(path: str | Path) -> Demonstrations:
         raise DemonstrationError(f"{error}; {hint}") from None
 
 
-def save_demonstrations(path: Path, found: Demonstrations) -> None:
+def save_demonstrations(path: Path, data: Demonstrations) -> None:
     """Write demonstrations to a file. The file appears only when it is complete."""
-    arrays = {name: getattr(found, name) for name in ARRAYS}
+    arrays = {name: getattr(data, name) for name in ARRAYS}
     for name in OBSERVED:
-        seen = getattr(found, name)
+        seen = getattr(data, name)
         arrays |= {f"{name}/{key}": rows for key, rows in seen.items()} if isinstance(seen, dict) else {name: seen}
     content = io.BytesIO()
-    np.savez_compressed(content, about=np.array(json.dumps(plain(dict(found.about)))), **arrays)
+    np.savez_compressed(content, about=np.array(json.dumps(plain(dict(data.about)))), **arrays)
     write_bytes(path, content.getvalue())
 
 
@@ -170,35 +170,35 @@ def _bound(bound: Array) -> Any:
     return values[0] if len(set(values)) == 1 else values
 
 
-def _checked(found: Demonstrations) -> Demonstrations:
+def _checked(data: Demonstrations) -> Demonstrations:
     """Return demonstrations, after checking that they are those of whole episodes of one environment.
 
     Raises:
         ValueError: Types, lengths or values of their arrays do not fit each other, or the described spaces.
     """
     for name in ARRAYS:
-        rows, kinds = getattr(found, name), KINDS.get(name, "biuf")
+        rows, kinds = getattr(data, name), KINDS.get(name, "biuf")
         if rows.dtype.kind not in kinds or rows.ndim != 1 + (name == "actions" and rows.ndim > 1):
             raise ValueError(f"its {name} must be {WORDS[kinds]}, one for each row, got {rows.dtype} {rows.shape}")
-    about: Mapping[str, Any] = found.about
-    _check_rows("actions", found.actions, about["action_space"])
+    about: Mapping[str, Any] = data.about
+    _check_rows("actions", data.actions, about["action_space"])
     for name in OBSERVED:
-        seen, space = getattr(found, name), about["observation_space"]
+        seen, space = getattr(data, name), about["observation_space"]
         parts = seen if isinstance(seen, dict) else {"": seen}
         spaces = space["spaces"] if isinstance(seen, dict) else {"": space}
         for key, described in spaces.items():
             _check_rows(f"{name}/{key}".rstrip("/"), parts[key], described)
     for name in (*OBSERVED, *ARRAYS):
-        value, of_episodes = getattr(found, name), name in ("final_observations", "levels", "outcomes")
-        wanted = int(found.ends.sum()) if of_episodes else len(found.rewards)
+        value, of_episodes = getattr(data, name), name in ("final_observations", "levels", "outcomes")
+        length = int(data.ends.sum()) if of_episodes else len(data.rewards)
         for rows in value.values() if isinstance(value, dict) else (value,):
-            if len(rows) != wanted:
-                raise ValueError(f"its {name} are {len(rows)}, not {wanted}")
-    if len(found) and not (found.ends[-1] and (found.episode_starts == np.roll(found.ends, 1)).all()):
+            if len(rows) != length:
+                raise ValueError(f"its {name} are {len(rows)}, not {length}")
+    if len(data) and not (data.ends[-1] and (data.episode_starts == np.roll(data.ends, 1)).all()):
         raise ValueError("its episodes must start at the first step and after each end, and the last step be an end")
-    if not ((found.levels >= 0) & np.isin(found.outcomes, list(Outcome))).all() or not np.isfinite(found.rewards).all():
+    if not ((data.levels >= 0) & np.isin(data.outcomes, list(Outcome))).all() or not np.isfinite(data.rewards).all():
         raise ValueError(f"its levels must be >= 0, its outcomes 0 to {max(Outcome)}, and its rewards finite")
-    return found
+    return data
 
 
 def _check_rows(name: str, rows: Array, space: Mapping[str, Any]) -> None:

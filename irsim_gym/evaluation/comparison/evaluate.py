@@ -98,7 +98,7 @@ class TeamEvaluation(Evaluation):
 
 
 def evaluate_policies(
-    asked: ScenarioRequest,
+    request: ScenarioRequest,
     sources: Sources,
     *,
     levels: int = 1000,
@@ -113,22 +113,22 @@ def evaluate_policies(
     task defines. Everything else follows from the task for all policies. All robots of a team share a policy, and
     reference policies that cannot drive all of them are left out, with a message.
     """
-    chosen, seeds, worlds = prepare(asked, sources, min(n_worlds, levels), references=references)
-    found = play(chosen, seeds, worlds, levels, split, team=asked.team)
+    chosen, seeds, worlds = prepare(request, sources, min(n_worlds, levels), references=references)
+    evaluation = play(chosen, seeds, worlds, levels, split, team=request.team)
     if folder is not None:
-        write_results(folder, found, worlds.episodes)
-    return found
+        write_results(folder, evaluation, worlds.episodes)
+    return evaluation
 
 
 def prepare(
-    asked: ScenarioRequest, sources: Sources, n_worlds: int, *, references: bool = False
+    request: ScenarioRequest, sources: Sources, n_worlds: int, *, references: bool = False
 ) -> tuple[dict[str, Policy], dict[str, list[str]], Perceived]:
     """Return policies by name, the names of each method that has several, and worlds that all of them can play in."""
-    worlds = Perceived(asked.episodes(max(1, n_worlds)))
+    worlds = Perceived(request.episodes(max(1, n_worlds)))
     chosen, seeds = _named_policies(sources)
     if references:
-        names = [name for name in (TEAM_SHOWN if asked.team else ALWAYS_SHOWN) if name not in chosen]
-        if asked.team:
+        names = [name for name in (TEAM_SHOWN if request.team else ALWAYS_SHOWN) if name not in chosen]
+        if request.team:
             chosen |= fitting_references(names, worlds.episodes, sys.stderr)
         else:
             chosen |= {name: load_policy(name) for name in names}
@@ -137,23 +137,23 @@ def prepare(
     return chosen, seeds, worlds
 
 
-def write_results(folder: Path, found: Evaluation, episodes: Episodes, **more: object) -> dict[str, object]:
+def write_results(folder: Path, evaluation: Evaluation, episodes: Episodes, **more: object) -> dict[str, object]:
     """Write the rows, the summaries and the tables of an evaluation, and return what ``summary.json`` holds.
 
     Args:
         episodes: The worlds in which it was played, for its conditions.
         **more: Further entries of ``summary.json``.
     """
-    write_rows(folder / "episodes.csv", found.rows)
-    is_team = isinstance(found, TeamEvaluation)
+    write_rows(folder / "episodes.csv", evaluation.rows)
+    is_team = isinstance(evaluation, TeamEvaluation)
     if is_team:
-        write_levels(folder / "levels.csv", found.rows)
-    named = (team_conditions if is_team else conditions)(episodes, found.split, found.level_set.count)
-    named |= found.level_set.conditions()
-    figures = {"conditions": named, "machine": machine(), "policies": found.summaries, "worst": found.worst}
-    summary = {**more, **figures, "observes": found.observes}
+        write_levels(folder / "levels.csv", evaluation.rows)
+    named = (team_conditions if is_team else conditions)(episodes, evaluation.split, evaluation.level_set.count)
+    named |= evaluation.level_set.conditions()
+    figures = {"conditions": named, "machine": machine(), "policies": evaluation.summaries, "worst": evaluation.worst}
+    summary = {**more, **figures, "observes": evaluation.observes}
     write_json(folder / "summary.json", summary)
-    write_text(folder / "table.txt", str(found))
+    write_text(folder / "table.txt", str(evaluation))
     return summary
 
 

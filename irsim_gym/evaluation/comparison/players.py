@@ -95,7 +95,7 @@ class Players:
 
 
 def load_players(
-    asked: ScenarioRequest, sources: Sequence[str | Path], *, split: str = "test", names: Sequence[str] | None = None
+    request: ScenarioRequest, sources: Sequence[str | Path], *, split: str = "test", names: Sequence[str] | None = None
 ) -> Players:
     """Load policies, and make a world for each.
 
@@ -107,7 +107,7 @@ def load_players(
         UnfitPolicyError: If some policies cannot drive the agents.
     """
     loaded = load_policies(sources)
-    worlds = Perceived(asked.episodes(len(loaded)))
+    worlds = Perceived(request.episodes(len(loaded)))
     called = policy_names(sources) if names is None else names
     chosen = dict(zip(called, loaded, strict=True))
     check_policies(chosen, worlds)

@@ -20,7 +20,7 @@ REPLAYS = (".html",)
 
 
 def record_film(
-    asked: ScenarioRequest, sources: Sequence[str | Path], levels: Sequence[int], path: Path, **chosen: Any
+    request: ScenarioRequest, sources: Sequence[str | Path], levels: Sequence[int], path: Path, **chosen: Any
 ) -> Path:
     """Film policies on levels, one level after the other with one panel per policy, and return the film's path.
 
@@ -37,7 +37,7 @@ def record_film(
     from irsim_gym.rendering.films.film import EpisodeFilm
 
     check_output(path, "film")
-    cast = load_players(asked, sources, **chosen)
+    cast = load_players(request, sources, **chosen)
     film = EpisodeFilm(cast.names, fps=1.0 / (cast.steps_per_frame * cast.step_time))
     with progress_bar() as bar:
         film.write(
@@ -52,7 +52,7 @@ def record_film(
 
 
 def record_html(
-    asked: ScenarioRequest, sources: Sequence[str | Path], levels: Sequence[int], path: Path, **chosen: Any
+    request: ScenarioRequest, sources: Sequence[str | Path], levels: Sequence[int], path: Path, **chosen: Any
 ) -> Path:
     """Write a page that replays policies on levels, with a list to choose an episode from, and return its path.
 
@@ -67,16 +67,16 @@ def record_html(
     from irsim_gym.rendering.replay.replay_page import save_html
 
     check_output(path, "replay")
-    return save_html(path, _recordings(load_players(asked, sources, **chosen), levels))
+    return save_html(path, _recordings(load_players(request, sources, **chosen), levels))
 
 
 def _recordings(cast: Players, levels: Sequence[int]) -> list[Recording]:
     """Return a recording of each level and policy, and show the progress."""
     pairs = [(w, level) for level in levels for w in range(len(cast.policies))]
     with progress_bar() as bar:
-        made = [recorded_episode(cast, w, level) for w, level in bar.track(pairs, description="recording")]
+        recordings = [recorded_episode(cast, w, level) for w, level in bar.track(pairs, description="recording")]
     cast.renderer.close()
-    return made
+    return recordings
 
 
 def recorded_episode(cast: Players, world: int, level: int) -> Recording:
@@ -110,6 +110,6 @@ def check_output(path: Path | None, kind: str) -> None:
     Raises:
         IrsimGymError: If it has another suffix.
     """
-    known = FILMS if kind == "film" else REPLAYS
-    if path is not None and path.suffix.lower() not in known:
-        raise IrsimGymError(f"a {kind}'s name ends in {' or '.join(known)}, got '{path.name}'")
+    suffixes = FILMS if kind == "film" else REPLAYS
+    if path is not None and path.suffix.lower() not in suffixes:
+        raise IrsimGymError(f"a {kind}'s name ends in {' or '.join(suffixes)}, got '{path.name}'")

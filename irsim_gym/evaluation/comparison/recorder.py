@@ -202,21 +202,21 @@ def _check_demonstrator(env: WorldEnv, policy: object) -> None:
 def _demonstrations(episodes: Sequence[_Episode], about: Mapping[str, Any]) -> demonstrations.Demonstrations:
     """Return episodes as arrays. Episodes that have not ended are truncated."""
     discrete = about["action_space"]["kind"] == "Discrete"
-    steps = [step for one in episodes for step in one.steps]
+    steps = [step for episode in episodes for step in episode.steps]
     is_last = np.zeros(len(steps), np.bool_)
-    is_last[np.cumsum([len(one.steps) for one in episodes]) - 1] = True
+    is_last[np.cumsum([len(episode.steps) for episode in episodes]) - 1] = True
     terminated = is_last & np.array([step.terminated for step in steps], np.bool_)
     return demonstrations.Demonstrations(
-        observations=concatenated([seen for one in episodes for seen in one.seen[:-1]], np.stack),
+        observations=concatenated([seen for episode in episodes for seen in episode.seen[:-1]], np.stack),
         actions=np.stack([np.asarray(step.action) for step in steps]).astype(np.int64 if discrete else np.float32),
         rewards=np.array([step.reward for step in steps], np.float64),
         terminations=terminated,
         truncations=is_last & ~terminated,
         episode_starts=np.roll(is_last, 1),
         by_hand=np.array([step.by_hand for step in steps], np.bool_),
-        final_observations=concatenated([one.seen[-1] for one in episodes], np.stack),
-        levels=np.array([one.level for one in episodes], np.int64),
-        outcomes=np.array([one.steps[-1].outcome for one in episodes], np.int64),
+        final_observations=concatenated([episode.seen[-1] for episode in episodes], np.stack),
+        levels=np.array([episode.level for episode in episodes], np.int64),
+        outcomes=np.array([episode.steps[-1].outcome for episode in episodes], np.int64),
         about=about,
     )
 

@@ -67,8 +67,8 @@ def chosen_factors(names: Sequence[str] | None) -> list[Factor]:
     factors = every_factor()
     for name in names or ():
         if not any(name in factor.names for factor in factors):
-            known = [factor.name for factor in factors]
-            raise UnknownNameError(f"no factor named '{name}'{suggestion(name, known)}; factors: {', '.join(known)}")
+            listed = [factor.name for factor in factors]
+            raise UnknownNameError(f"no factor named '{name}'{suggestion(name, listed)}; factors: {', '.join(listed)}")
     return [factor for factor in factors if names is None or factor.names & set(names)]
 
 

@@ -204,9 +204,9 @@ def robustness(
     base, place = worlds.episodes.simulation.scenario, None if folder is None else Path(folder)
     played = {"scenario": base.label, "sha256": snapshot_of(base, task).digest, "split": split, "levels": levels}
     played |= {"team": team, "version": __version__, **dict(_hashes(sources))}
-    played |= {f"factor {one.name}": f"{'; '.join(one.perturb)}, noise {one.noise:g}" for one in chosen}
+    played |= {f"factor {factor.name}": f"{'; '.join(factor.perturb)}, noise {factor.noise:g}" for factor in chosen}
     record = _begun(played, place, overwrite)
-    for factor, strength in ((one, strength) for one in (UNDISTURBED, *chosen) for strength in one.strengths):
+    for factor, strength in ((item, strength) for item in (UNDISTURBED, *chosen) for strength in item.strengths):
         done = {row.policy for row in record.rows if (row.factor, row.strength) == (factor.name, strength)}
         missing = {name: policy for name, policy in loaded.items() if name not in done}
         if missing and factor.name not in record.left_out:
@@ -242,10 +242,10 @@ def _play(
         record.left_out[factor.name] = str(problem).splitlines()[-1].strip()
         return
     named = {f"{factor.name} {strength:g}, {name}": policy for name, policy in policies.items()}
-    found = play(named, {}, worlds, of["levels"], of["split"], team=of["team"], optima=optima)
-    for name, one in zip(policies, found.summaries, strict=True):
-        success = one.cooperative_success if of["team"] else one.success
-        row = StrengthRow(factor.name, strength, factor.unit, text, noise, name, success, one.collision)
+    evaluation = play(named, {}, worlds, of["levels"], of["split"], team=of["team"], optima=optima)
+    for name, summary in zip(policies, evaluation.summaries, strict=True):
+        success = summary.cooperative_success if of["team"] else summary.success
+        row = StrengthRow(factor.name, strength, factor.unit, text, noise, name, success, summary.collision)
         record.rows.append(row)
         print(f"{row.label}, {name}: {percent(success)} %", file=sys.stderr)
 
@@ -254,9 +254,9 @@ def _hashes(sources: Sources) -> Iterator[tuple[str, str]]:
     """Yield the names of policies and what tells them apart; of a function, a number that is never the same."""
     methods = by_method(sources)
     for method, names in names_of_policies(methods).items():
-        for name, one in zip(names, methods[method], strict=True):
-            known = policy_digest(one) or str(one) if isinstance(one, str | Path) else secrets.token_hex()
-            yield f"policy {name}", known
+        for name, source in zip(names, methods[method], strict=True):
+            digest = policy_digest(source) or str(source) if isinstance(source, str | Path) else secrets.token_hex()
+            yield f"policy {name}", digest
 
 
 def _begun(played: dict[str, Any], folder: Path | None, overwrite: bool) -> Robustness:

@@ -77,9 +77,9 @@ class Certificate:
     @property
     def tortuosity(self) -> Floats:
         """Length of the shortest path divided by the straight length, at least 1, shape ``(n_levels, n_agents)``."""
-        found = np.ones(self.length.shape)
-        np.divide(self.length, self.straight, out=found, where=self.straight > 0.0)
-        return np.maximum(found, 1.0)
+        tortuosity = np.ones(self.length.shape)
+        np.divide(self.length, self.straight, out=tortuosity, where=self.straight > 0.0)
+        return np.maximum(tortuosity, 1.0)
 
     @property
     def difficulty(self) -> Floats:
@@ -127,28 +127,28 @@ def read_certificate(file: Path) -> Certificate:
     with reading(file, "certificate of levels"):
         said, arrays = read_certificate_file(file)
         said |= {name: tuple(map(str, said[name])) for name in ("agents", "policies")}
-        known = {key: value for key, value in said.items() if key not in ("format", "set_hash", "levels")}
-        made = Certificate(**known, **arrays)
-        _check(made)
-    return made
+        fields = {key: value for key, value in said.items() if key not in ("format", "set_hash", "levels")}
+        cert = Certificate(**fields, **arrays)
+        _check(cert)
+    return cert
 
 
-def _check(made: Certificate) -> None:
+def _check(cert: Certificate) -> None:
     """Check the shapes and values of a certificate's arrays.
 
     Raises:
         ValueError: They do not fit each other.
     """
-    if made.hash.dtype != np.uint64 or made.hash.ndim != 1:
-        raise ValueError(f"hash must hold unsigned numbers of 64 bits, one a level, got {made.hash.dtype}")
-    each = (made.count, len(made.agents))
-    shapes = {"density": each[:1], "outcome": (len(made.policies), *each), "time": (len(made.policies), *each)}
+    if cert.hash.dtype != np.uint64 or cert.hash.ndim != 1:
+        raise ValueError(f"hash must hold unsigned numbers of 64 bits, one a level, got {cert.hash.dtype}")
+    each = (cert.count, len(cert.agents))
+    shapes = {"density": each[:1], "outcome": (len(cert.policies), *each), "time": (len(cert.policies), *each)}
     for name in (*WHOLE[1:], *NUMBERS):
-        array, wanted = getattr(made, name), shapes.get(name, each)
-        if array.shape != wanted or array.dtype.kind not in "bufi":
-            raise ValueError(f"{name} must hold numbers of shape {wanted}, got {array.dtype}, shape {array.shape}")
-    if made.outcome.size and not 0 <= made.outcome.min() <= made.outcome.max() < len(OUTCOMES):
-        raise ValueError(f"outcome must be 0 to {len(OUTCOMES) - 1}, got {made.outcome.min()} to {made.outcome.max()}")
+        array, shape = getattr(cert, name), shapes.get(name, each)
+        if array.shape != shape or array.dtype.kind not in "bufi":
+            raise ValueError(f"{name} must hold numbers of shape {shape}, got {array.dtype}, shape {array.shape}")
+    if cert.outcome.size and not 0 <= cert.outcome.min() <= cert.outcome.max() < len(OUTCOMES):
+        raise ValueError(f"outcome must be 0 to {len(OUTCOMES) - 1}, got {cert.outcome.min()} to {cert.outcome.max()}")
 
 
 def find_certificate(
@@ -168,9 +168,9 @@ def find_certificate(
     """
     for file in _candidates(scenario):
         if file.is_file():
-            found = read_certificate(file)
-            if found.split == split and found.agents == tuple(agents) and found.matches(digest, count):
-                return found
+            cert = read_certificate(file)
+            if cert.split == split and cert.agents == tuple(agents) and cert.matches(digest, count):
+                return cert
     return None
 
 

@@ -88,7 +88,7 @@ def _unpacked(said: dict[str, Any], planes: NDArray[Any]) -> dict[str, NDArray[A
     arrays = from_planes(said.pop("layout"), planes)
     for name in NUMBERS:
         places, (unit, least) = arrays[name].astype(np.int64), units[name]
-        found = ((places - FINITE) * unit + least + _base(name, arrays)) / 10 ** NUMBERS[name]
-        found[places == NO_NUMBER], found[places == NO_END] = np.nan, np.inf
-        arrays[name] = found.astype(np.float32)
+        numbers = ((places - FINITE) * unit + least + _base(name, arrays)) / 10 ** NUMBERS[name]
+        numbers[places == NO_NUMBER], numbers[places == NO_END] = np.nan, np.inf
+        arrays[name] = numbers.astype(np.float32)
     return arrays

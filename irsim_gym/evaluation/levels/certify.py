@@ -58,7 +58,7 @@ def certify(
     times = [row.time for levels in episodes_of for team in levels for row in team]
     time, arrived = rounded(times, "time").reshape(n_rows), outcome == OUTCOMES.index("success")
     proved = np.array([[is_sure for _, is_sure in level] for level in measured], np.bool_)
-    reachable = np.array([[one.reachable for one, _ in level] for level in measured], np.bool_)
+    reachable = np.array([[measure.reachable for measure, _ in level] for level in measured], np.bool_)
     fastest = np.where(arrived, time, np.float32(np.inf)).min(axis=0, initial=np.inf)
     return Certificate(
         name=simulation.scenario.label,
@@ -82,11 +82,11 @@ def certify(
 def _measured(simulation: Simulation, world: int, body: int) -> tuple[LevelMeasures, bool]:
     """Return what a level demands of a robot, and whether the measurement alone proves that it is reachable."""
     model, state = simulation.model, simulation.state
-    found = measure_level(model, state, world, body)
-    if found.reachable or is_disc(model, body):
-        return found, True
+    measure = measure_level(model, state, world, body)
+    if measure.reachable or is_disc(model, body):
+        return measure, True
     return measure_level(model, state, world, body, radius=largest_disc(model, world, body)), False
 
 
 def _column(measured: Sequence[Sequence[tuple[LevelMeasures, bool]]], name: str) -> Any:
-    return rounded([[getattr(one, name) for one, _ in level] for level in measured], name)
+    return rounded([[getattr(measure, name) for measure, _ in level] for level in measured], name)

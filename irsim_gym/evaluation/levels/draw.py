@@ -75,8 +75,8 @@ def scenario_hash(scenario: Scenario) -> str:
     sections = data if isinstance(data, Mapping) else {}
     inner = sections.get("irsim")
     sections = {**sections, **(inner if isinstance(inner, Mapping) else {})}
-    kept = {key: value for key, value in sections.items() if key not in LEFT_OUT and key != "irsim"}
-    text = json.dumps([scenario.name, kept], sort_keys=True)
+    rest = {key: value for key, value in sections.items() if key not in LEFT_OUT and key != "irsim"}
+    text = json.dumps([scenario.name, rest], sort_keys=True)
     return hashlib.blake2b(text.encode(), digest_size=8).hexdigest()
 
 
@@ -121,12 +121,12 @@ class _LevelCollector:
         counts: tuple[list[int], list[int]] = [], []
         for b, shaped in zip(self._bodies.tolist(), self._shaped, strict=True):
             is_kept = bool(shaped and model.present[world, b])
-            for kept, count, own in zip(
+            for rows, count, outline in zip(
                 self._outlines, counts, outline_rows(model, state, world, b, local=True), strict=True
             ):
-                count.append(len(own) if is_kept else 0)
+                count.append(len(outline) if is_kept else 0)
                 if is_kept:
-                    kept.append(own.copy())
+                    rows.append(outline.copy())
         for all_counts, count in zip(self._counts, counts, strict=True):
             all_counts.append(count)
 

@@ -36,10 +36,10 @@ POSES = "hybrid_astar"
 """Further reference policy for robots that are not discs or steer like a car: it plans over poses."""
 
 
-def run_draw(wanted: ScenarioRequest, splits: Sequence[str], count: int, out: Path) -> LevelSet:
+def run_draw(request: ScenarioRequest, splits: Sequence[str], count: int, out: Path) -> LevelSet:
     """Draw ``count`` levels of each split, write them to a file, and return them."""
-    check_inputs(wanted, partial(check_suffix, out), partial(_check_splits, splits))
-    simulation = wanted.simulation(min(WORLDS, count))
+    check_inputs(request, partial(check_suffix, out), partial(_check_splits, splits))
+    simulation = request.simulation(min(WORLDS, count))
     with counting("drawing", count * len(splits)) as advance:
         drawn = draw_levels(simulation, splits, count, advance)
     write_levels(drawn, out)
@@ -62,7 +62,7 @@ def write_levels(levels: LevelSet, out: Path) -> None:
 
 
 def run_certify(
-    wanted: ScenarioRequest, split: str, count: int, policies: Sequence[str] | None, out: Path | None
+    request: ScenarioRequest, split: str, count: int, policies: Sequence[str] | None, out: Path | None
 ) -> Certificate:
     """Certify levels, write the certificate, print a summary, and return the certificate.
 
@@ -72,16 +72,16 @@ def run_certify(
         out: File to write; None for one beside the scenario's file. For a shipped scenario, it is in the current
             folder.
     """
-    check_inputs(wanted, lambda: None if out is None else check_suffix(out), policies=policies or (), split=split)
-    episodes = wanted.episodes(min(WORLDS, count))
-    made = _certified(episodes, split, count, policies)
-    own = Path(str(wanted.scenario))
-    path = out or certificate_beside(own if own.is_file() else Path(episodes.simulation.scenario.name))
-    for line in _summary(made):
+    check_inputs(request, lambda: None if out is None else check_suffix(out), policies=policies or (), split=split)
+    episodes = request.episodes(min(WORLDS, count))
+    cert = _certified(episodes, split, count, policies)
+    file = Path(str(request.scenario))
+    path = out or certificate_beside(file if file.is_file() else Path(episodes.simulation.scenario.name))
+    for line in _summary(cert):
         print(line)
-    write_bytes(path, made.content())
-    print(f"{path}: {several(made.count, 'level')} of {made.split}, hash {made.set_hash}")
-    return made
+    write_bytes(path, cert.content())
+    print(f"{path}: {several(cert.count, 'level')} of {cert.split}, hash {cert.set_hash}")
+    return cert
 
 
 def _certified(episodes: Episodes, split: str, count: int, policies: Sequence[str] | None) -> Certificate:
@@ -104,13 +104,13 @@ def _fitting(episodes: Episodes) -> dict[str, Policy]:
     return fitting_references(names, episodes, sys.stdout)
 
 
-def _summary(made: Certificate) -> Iterator[str]:
+def _summary(cert: Certificate) -> Iterator[str]:
     """Yield lines that summarise the certificate of all levels."""
-    yield f"{made.name}: {100.0 * made.reachable.all(axis=1).mean():.1f} % of {made.count:,} levels are reachable"
+    yield f"{cert.name}: {100.0 * cert.reachable.all(axis=1).mean():.1f} % of {cert.count:,} levels are reachable"
     for name in ("length", "clearance", "least_time"):
-        low, middle, high = np.nanpercentile(getattr(made, name), (5, 50, 95))
+        low, middle, high = np.nanpercentile(getattr(cert, name), (5, 50, 95))
         yield f"  {name:<10} {low:.2f} / {middle:.2f} / {high:.2f}  (5 %, median, 95 %)"
-    for policy, outcome in zip(made.policies, made.outcome, strict=True):
+    for policy, outcome in zip(cert.policies, cert.outcome, strict=True):
         yield f"  {policy:<10} succeeds in {100.0 * (outcome == OUTCOMES.index('success')).mean():.1f} %"
 
 

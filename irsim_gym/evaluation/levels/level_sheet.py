@@ -20,7 +20,7 @@ SIDE = 320
 """Width to which frames are reduced [pixel]."""
 
 
-def show_levels(wanted: ScenarioRequest, split: str, count: int, number: int, out: Path | None) -> Path:
+def show_levels(request: ScenarioRequest, split: str, count: int, number: int, out: Path | None) -> Path:
     """Draw the starts of levels into one picture, and return its path.
 
     Args:
@@ -31,14 +31,14 @@ def show_levels(wanted: ScenarioRequest, split: str, count: int, number: int, ou
     Raises:
         IrsimGymError: If the file has another suffix.
     """
-    check_inputs(wanted, partial(_check_suffix, out), split=split)
-    simulation = wanted.simulation(min(WORLDS, count))
-    _, here = simulation.level_base(split)
-    certificate = _certificate(simulation, split, min(count, here) if here else count)
+    check_inputs(request, partial(_check_suffix, out), split=split)
+    simulation = request.simulation(min(WORLDS, count))
+    _, n_levels = simulation.level_base(split)
+    certificate = _certificate(simulation, split, min(count, n_levels) if n_levels else count)
     chosen = (
         _by_difficulty(certificate, count, number)
         if certificate is not None
-        else np.arange(min(number, here or number))
+        else np.arange(min(number, n_levels or number))
     )
     check_count(simulation, split, int(chosen.max()) + 1)
     path = out or Path(f"{simulation.scenario.name}-levels.png")

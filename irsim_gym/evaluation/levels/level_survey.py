@@ -45,11 +45,11 @@ def survey(scenario: Scenario, task: Task) -> list[Problem]:
     episodes = Episodes(compile(scenario, n_worlds, agents=task.agents), task)
     worlds = np.arange(n_worlds)
     episodes.begin(worlds, worlds, "train")
-    found = [] if levels_differ(scenario) else [scenario.problem(("world",), ONE_LEVEL)]
+    notes = [] if levels_differ(scenario) else [scenario.problem(("world",), ONE_LEVEL)]
     if not any(term.needs_goal for term in (*task.endings, *task.rewards)):
-        return found
+        return notes
     _refuse_blocked_goals(episodes)
-    return [*found, *_way_notes(episodes)]
+    return [*notes, *_way_notes(episodes)]
 
 
 def _refuse_blocked_goals(episodes: Episodes) -> None:
@@ -61,17 +61,17 @@ def _refuse_blocked_goals(episodes: Episodes) -> None:
     simulation = episodes.simulation
     scenario, model, state = simulation.scenario, simulation.model, simulation.state
     random = [scenario.placements[body.entry].kind.is_random for body in scenario.bodies]
-    given = ~(np.array(random, np.bool_) | varied_outlines(scenario) | given_bodies(scenario))
-    map_is_given = model.cells is None or bool(given[-1])
+    is_fixed = ~(np.array(random, np.bool_) | varied_outlines(scenario) | given_bodies(scenario))
+    map_is_given = model.cells is None or bool(is_fixed[-1])
     problems = []
     for body in simulation.agents.tolist():
         spec = scenario.bodies[body]
         radius = inner_radius(model, 0, body) - spec.goal_threshold
         is_drawn = bool(model.drawn_goals[body]) or model.goal_renewal[body] == WANDER
-        if is_drawn or not given[body] or radius <= 0.0 or _passes(model, body):
+        if is_drawn or not is_fixed[body] or radius <= 0.0 or _passes(model, body):
             continue
         for goal in spec.goal:
-            hit = blocking_bodies(model, state, 0, radius, goal, fixed_bodies(model, 0) & given)
+            hit = blocking_bodies(model, state, 0, radius, goal, fixed_bodies(model, 0) & is_fixed)
             names = ["the obstacle map" if b is None else f"'{scenario.bodies[b].name}'" for b in hit]
             if names and (map_is_given or hit != [None]):
                 where = f"the goal ({goal[0]:g}, {goal[1]:g}) lies in {names[0]}"

@@ -57,12 +57,12 @@ def measure_level(
         The measures. ``length`` is that of an existing path, about 0.1 % above the shortest, and up to 3 % if paths on
         different sides of an obstacle have nearly equal lengths; ``least_time`` is that of a path of this length.
     """
-    own = float(model.reach[world % len(model.reach), body]) if radius is None else float(radius)
+    reach = float(model.reach[world % len(model.reach), body]) if radius is None else float(radius)
     stops = np.concatenate([state.pose[world, body, None, :2], _goals(model, state, world, body)])
     blocks = standing_bodies(model, world)
     blocks[body] = False
     legs = [
-        free_path_length(model, state, world, own, begin, end, blocks=blocks, cell=cell)
+        free_path_length(model, state, world, reach, begin, end, blocks=blocks, cell=cell)
         for begin, end in pairwise(stops)
     ]
     steps = np.diff(stops, axis=0)
@@ -71,7 +71,7 @@ def measure_level(
         reachable=is_reachable,
         length=sum(legs),
         straight=float(np.hypot(steps[:, 0], steps[:, 1]).sum()),
-        clearance=_widest(model, state, world, own, stops, blocks, cell) if is_reachable else math.nan,
+        clearance=_widest(model, state, world, reach, stops, blocks, cell) if is_reachable else math.nan,
         least_time=least_steps(model, state, world, body, legs) * float(model.step_time[0]),
     )
 
@@ -94,8 +94,8 @@ def _widest(model: Model, state: State, world: int, radius: float, stops: Floats
     """Return by how much a disc can grow until one of the paths is blocked [m]: the clearance of the widest paths."""
 
     def are_open(ways: Iterable[tuple[Floats, Floats]], more: float) -> bool:
-        own = radius + more
-        return all(has_free_path(model, state, world, own, *ends, blocks=blocks, cell=cell) for ends in ways)
+        reach = radius + more
+        return all(has_free_path(model, state, world, reach, *ends, blocks=blocks, cell=cell) for ends in ways)
 
     stands, ways = [(place, place) for place in stops], list(pairwise(stops))
     farthest = float(np.hypot(model.bounds[2] - model.bounds[0], model.bounds[3] - model.bounds[1]))

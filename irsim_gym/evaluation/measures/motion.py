@@ -63,5 +63,5 @@ class MotionLog:
 
     @staticmethod
     def _velocities(episodes: Episodes, worlds: Ints) -> Floats:
-        found: Floats = episodes.simulation.state.twist[worlds[:, None], episodes.simulation.agents, :2]
-        return found
+        twists: Floats = episodes.simulation.state.twist[worlds[:, None], episodes.simulation.agents, :2]
+        return twists

@@ -44,9 +44,9 @@ def compare_pairs(policies: Sequence[str], success: Flags, spl: Floats) -> list[
     """
     from scipy.stats import false_discovery_control
 
-    found = [_compare(policies, success, spl, i, j) for i, j in combinations(range(len(policies)), 2)]
-    adjusted = false_discovery_control([pair.p for pair in found]) if found else []
-    return [replace(pair, p_adjusted=float(p)) for pair, p in zip(found, adjusted, strict=True)]
+    pairs = [_compare(policies, success, spl, i, j) for i, j in combinations(range(len(policies)), 2)]
+    adjusted = false_discovery_control([pair.p for pair in pairs]) if pairs else []
+    return [replace(pair, p_adjusted=float(p)) for pair, p in zip(pairs, adjusted, strict=True)]
 
 
 def _compare(policies: Sequence[str], success: Flags, spl: Floats, i: int, j: int) -> PairedComparison:

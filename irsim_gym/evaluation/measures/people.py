@@ -57,9 +57,9 @@ class PeopleLog:
         both = reach[:, agents, None] + reach[:, None, self._people]
         away = state.pose[rows, self._people, :2][:, None] - state.pose[rows, agents, :2][:, :, None]
         speed = state.twist[rows, self._people, :2][:, None] - state.twist[rows, agents, :2][:, :, None]
-        here = model.present[rows, self._people][:, None]
-        gap = np.where(here, np.hypot(away[..., 0], away[..., 1]) - both, np.inf)
-        time = np.where(here, time_to_contact(away, speed, both), np.inf)
+        present = model.present[rows, self._people][:, None]
+        gap = np.where(present, np.hypot(away[..., 0], away[..., 1]) - both, np.inf)
+        time = np.where(present, time_to_contact(away, speed, both), np.inf)
         return gap.min(axis=-1), time.min(axis=-1)
 
     def intrusion(self, world: int, agent: int, k: int) -> float:

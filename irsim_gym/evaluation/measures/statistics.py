@@ -118,7 +118,7 @@ def _estimate(statistic: Callable[..., Any], samples: Sequence[Floats]) -> Estim
     value = float(statistic(*samples, axis=-1))
     if any(sample.size < 2 for sample in samples):
         return Estimate(value, math.nan, math.nan)
-    found = bootstrap(
+    interval = bootstrap(
         samples,
         statistic,
         n_resamples=RESAMPLES,
@@ -128,4 +128,4 @@ def _estimate(statistic: Callable[..., Any], samples: Sequence[Floats]) -> Estim
         method="percentile",
         rng=np.random.default_rng(0),
     ).confidence_interval
-    return Estimate(value, float(found.low), float(found.high))
+    return Estimate(value, float(interval.low), float(interval.high))

@@ -237,6 +237,6 @@ def _rates(rows: Sequence[TeamRow], names: Sequence[str], read: Callable[[AgentR
 
 
 def _extra_time(rows: Sequence[TeamRow]) -> ExtraTime:
-    found = [agent.extra_time for row in rows for agent in row.agents if agent.episode.outcome == "success"]
-    points = np.percentile(found, PERCENTILES).tolist() if found else [math.nan] * len(PERCENTILES)
-    return ExtraTime(len(rows), len(found), *points)
+    times = [agent.extra_time for row in rows for agent in row.agents if agent.episode.outcome == "success"]
+    points = np.percentile(times, PERCENTILES).tolist() if times else [math.nan] * len(PERCENTILES)
+    return ExtraTime(len(rows), len(times), *points)

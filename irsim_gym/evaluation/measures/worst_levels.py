@@ -55,5 +55,5 @@ def worst_of_policies(
         solved: Success in each level, by policy.
         seeds: Names of the policies of each method that has several.
     """
-    own = {name: worst_shares([levels]) for name, levels in solved.items()}
-    return own | {method: worst_shares([solved[name] for name in names]) for method, names in seeds.items()}
+    by_policy = {name: worst_shares([levels]) for name, levels in solved.items()}
+    return by_policy | {method: worst_shares([solved[name] for name in names]) for method, names in seeds.items()}

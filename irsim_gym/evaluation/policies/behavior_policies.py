@@ -153,9 +153,9 @@ def _one_group(policy: BehaviorPolicy, episodes: Episodes, driven: Ints) -> list
 
 def _options(episodes: Episodes, body: int, family: str, policy: BehaviorPolicy) -> object:
     """Return a body's options: given ones over its own, or over the best defaults with the speeds of its drive."""
-    own, kind = getattr(episodes.simulation.scenario.bodies[body], family), policy.kind
-    if isinstance(own, kind):
-        return replace(own, **policy.options) if policy.options else own
+    behavior, kind = getattr(episodes.simulation.scenario.bodies[body], family), policy.kind
+    if isinstance(behavior, kind):
+        return replace(behavior, **policy.options) if policy.options else behavior
     options = kind(**{**AT_THEIR_BEST.get(kind_name(policy.name), {}), **policy.options})
     model = episodes.simulation.model
     if not hasattr(options, "vxmax"):

@@ -30,22 +30,22 @@ def read_options(source: str) -> dict[str, object]:
     """
     families.load()
     name, *texts = source.split(":")
-    given: dict[str, Any] = {}
+    options: dict[str, Any] = {}
     for text in texts:
         option, equals, value = text.partition("=")
-        if not equals or not option or option in given or option == "name":
+        if not equals or not option or option in options or option == "name":
             raise PolicyOptionError(f"'{source}': write NAME:OPTION=VALUE:..., each option once, got '{text}'")
-        given[option] = TRUTHS.get(value, value)
-    if not given:
+        options[option] = TRUTHS.get(value, value)
+    if not options:
         return {}
     registry = BEHAVIORS if name in BEHAVIORS else GROUP_BEHAVIORS
     if name not in registry:
         raise PolicyOptionError(f"'{source}': '{name}' is no behavior, and has no options")
-    report = Report(read_mapping({"behavior": {"name": name, **given}}))
-    made = build_named(registry, {"name": name, **given}, ("behavior",), report)
+    report = Report(read_mapping({"behavior": {"name": name, **options}}))
+    behavior = build_named(registry, {"name": name, **options}, ("behavior",), report)
     if report.problems:
         told = (
             f"'{source}': {problem.path.removeprefix('behavior.')}: {problem.message}" for problem in report.problems
         )
         raise PolicyOptionError("\n".join(told))
-    return {option: getattr(made, option) for option in given}
+    return {option: getattr(behavior, option) for option in options}

@@ -54,8 +54,8 @@ def perception_differences(perceptions: Mapping[str, Perception]) -> list[str]:
     Args:
         perceptions: The perceptions, by name.
     """
-    (first, one), *others = perceptions.items()
-    return [f"{first} has {text}" for name, other in others for text in _differences(one, name, other)]
+    (first, reference), *others = perceptions.items()
+    return [f"{first} has {text}" for name, other in others for text in _differences(reference, name, other)]
 
 
 def _differences(one: Perception, name: str, other: Perception) -> Iterator[str]:
@@ -105,7 +105,7 @@ def perceived_task(scenario: Scenario, task: Task, perception: Perception) -> Ta
     Raises:
         UnfitPerceptionError: If the learners lack what the observations or the action need.
     """
-    wanted = {
+    fields = {
         "name": "blank",
         "agents": [scenario.bodies[body].name for body in task.agents],
         "action": dict(perception.action),
@@ -113,15 +113,15 @@ def perceived_task(scenario: Scenario, task: Task, perception: Perception) -> Ta
         "predict": task.predict or perception.predict,
     }
     try:
-        found = load_task(scenario, wanted)
+        loaded = load_task(scenario, fields)
     except ScenarioError as error:
         told = "; ".join(f"{problem.path}: {problem.message}" for problem in error.problems)
         raise UnfitPerceptionError(
             f"the policy was trained with {', '.join(perception.names)}, which does not fit '{scenario.name}': {told}"
         ) from error
     form: Any = perception.observation_form
-    own: dict[str, Any] = {"observations": found.observations, "action": found.action, "observation_form": form}
-    return replace(task, **own, predict=found.predict)
+    changes: dict[str, Any] = {"observations": loaded.observations, "action": loaded.action, "observation_form": form}
+    return replace(task, **changes, predict=loaded.predict)
 
 
 class Perceived:
@@ -143,24 +143,24 @@ class Perceived:
         Raises:
             UnfitPerceptionError: If the agents lack what the policy's observations or its action need.
         """
-        wanted = policy.perception if isinstance(policy, Perceives) else None
-        if wanted is None:
+        wish = policy.perception if isinstance(policy, Perceives) else None
+        if wish is None:
             return self.episodes
-        return self._find(wanted) or self._make(wanted)
+        return self._find(wish) or self._make(wish)
 
     def observed_by(self, policy: object) -> list[str] | None:
         """Return the names of a policy's observations; None for a policy that acts without observations."""
         return perception_of(self.of(policy).task).names if isinstance(policy, Perceives) else None
 
-    def _find(self, wanted: Perception) -> Episodes | None:
-        return next((episodes for known, episodes in self._known if known == wanted), None)
+    def _find(self, wish: Perception) -> Episodes | None:
+        return next((episodes for earlier, episodes in self._known if earlier == wish), None)
 
-    def _make(self, wanted: Perception) -> Episodes:
+    def _make(self, wish: Perception) -> Episodes:
         simulation = self.episodes.simulation
-        task = perceived_task(simulation.scenario, self.episodes.task, wanted)
-        made = self._find(perception_of(task)) or Episodes(simulation, task)
-        self._known.append((wanted, made))
-        return made
+        task = perceived_task(simulation.scenario, self.episodes.task, wish)
+        episodes = self._find(perception_of(task)) or Episodes(simulation, task)
+        self._known.append((wish, episodes))
+        return episodes
 
 
 def _as_data(family: Registry, item: object) -> dict[str, object]:

@@ -60,8 +60,8 @@ def percepts(episodes: Episodes, worlds: Ints) -> Percepts:
 
 def by_world(actions: Actions, episodes: Episodes) -> Actions:
     """Convert actions with one row per agent, ``(n * n_agents, ...)``, to the shape that ``Policy.act`` returns."""
-    found = np.asarray(actions)
-    return without_lone_axis(found.reshape(-1, episodes.n_agents, *found.shape[1:]))
+    rows = np.asarray(actions)
+    return without_lone_axis(rows.reshape(-1, episodes.n_agents, *rows.shape[1:]))
 
 
 def without_lone_axis(actions: Actions) -> Actions:
@@ -75,11 +75,11 @@ def by_agent(actions: Actions, episodes: Episodes, worlds: Ints) -> Actions:
     Raises:
         ValueError: If the actions have another shape.
     """
-    found = np.asarray(actions)
-    one = () if episodes.action_kind == "discrete" else episodes.action_low.shape
-    wanted = (len(worlds), episodes.n_agents, *one)
-    if found.shape == wanted:
-        return found
-    if episodes.n_agents == 1 and found.shape == (len(worlds), *one):
-        return found[:, None]
-    raise ValueError(f"the policy's actions must have shape {wanted}, got {found.shape}")
+    rows = np.asarray(actions)
+    size = () if episodes.action_kind == "discrete" else episodes.action_low.shape
+    shape = (len(worlds), episodes.n_agents, *size)
+    if rows.shape == shape:
+        return rows
+    if episodes.n_agents == 1 and rows.shape == (len(worlds), *size):
+        return rows[:, None]
+    raise ValueError(f"the policy's actions must have shape {shape}, got {rows.shape}")

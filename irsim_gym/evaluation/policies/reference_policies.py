@@ -80,9 +80,9 @@ def reference_policy(name: str) -> RandomPolicy | BehaviorPolicy:
         UnknownNameError: If no policy has that name.
         PolicyOptionError: If the behaviour does not have the options.
     """
-    known = policy_kinds()
-    if kind_name(name) not in known:
-        raise UnknownNameError(f"no reference policy named '{name}'{suggestion(name, known)}")
+    names = policy_kinds()
+    if kind_name(name) not in names:
+        raise UnknownNameError(f"no reference policy named '{name}'{suggestion(name, names)}")
     if kind_name(name) == "random":
         read_options(name)
         return RandomPolicy()

@@ -41,8 +41,8 @@ class FigureColumn(NamedTuple):
 
     def value(self, summary: Any) -> Any:
         """Return the figure of a summary."""
-        found = getattr(summary, self.field)
-        return found[self.hit] if self.hit else found
+        figure = getattr(summary, self.field)
+        return figure[self.hit] if self.hit else figure
 
     def text(self, summary: Any) -> str:
         """Return the cell of a summary."""
@@ -57,7 +57,7 @@ class FigureColumn(NamedTuple):
 def figure_columns(place: str, summaries: Sequence[Any]) -> list[FigureColumn]:
     """Return the columns for summaries, without what never occurred; collisions are split by what was hit."""
     is_team = isinstance(summaries[0], TeamSummary)
-    columns = (FigureColumn(**one) for one in json_object(FILE)[place]["team" if is_team else "single"])
+    columns = (FigureColumn(**entry) for entry in json_object(FILE)[place]["team" if is_team else "single"])
     shown: list[FigureColumn] = []
     for column in columns:
         if not column.needs or any(_occurs(getattr(each, column.needs)) for each in summaries):

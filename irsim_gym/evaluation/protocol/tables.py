@@ -110,8 +110,8 @@ def read_rows(path: Path, *kinds: type) -> list[PlacedRow]:
     with reading(path, ROWS), path.open(encoding="utf-8", newline="") as file:
         reader = csv.DictReader(file)
         needed = [field.name for kind in kinds for field in fields(kind) if field.default is MISSING]
-        known = {name for kind in kinds for name in _readers(kind)}.difference(reader.fieldnames or ())
-        if missing := [name for name in dict.fromkeys(needed) if name in known]:
+        columns = {name for kind in kinds for name in _readers(kind)}.difference(reader.fieldnames or ())
+        if missing := [name for name in dict.fromkeys(needed) if name in columns]:
             raise UnreadableFileError(f"{path}:1", ROWS, f"no column {', '.join(missing)} of this version")
         rows = [(f"{path}:{reader.line_num}", row) for row in reader]
     for place, row in rows:
@@ -120,7 +120,7 @@ def read_rows(path: Path, *kinds: type) -> list[PlacedRow]:
     return rows
 
 
-def read_cells(place: str, kind: type[Row], row: Mapping[str, str], **given: object) -> Row:
+def read_cells(place: str, kind: type[Row], row: Mapping[str, str], **values: object) -> Row:
     """Make a dataclass of numbers, strings and booleans from the cells of a row.
 
     Args:
@@ -133,7 +133,7 @@ def read_cells(place: str, kind: type[Row], row: Mapping[str, str], **given: obj
         IrsimGymError: If a column is missing, or a cell holds an invalid value.
     """
     every = _readers(kind)  # type: ignore[arg-type]  # every class can be hashed
-    readers = {name: read for name, read in every.items() if name in row and name not in given}
+    readers = {name: read for name, read in every.items() if name in row and name not in values}
     cells: dict[str, Any] = {}
     for name, read in readers.items():
         try:
@@ -141,22 +141,22 @@ def read_cells(place: str, kind: type[Row], row: Mapping[str, str], **given: obj
         except (KeyError, TypeError, ValueError):
             wish = _WORDS[get_type_hints(kind)[name]]
             raise UnreadableFileError(place, ROW, f"{name} must be {wish}, got {row[name][:40]!r}") from None
-    for name, known in (("outcome", OUTCOMES), ("hit", ("", *HITS, "map"))):
-        if name in cells and cells[name] not in known:
-            wish = ", ".join(word or "none" for word in known)
+    for name, words in (("outcome", OUTCOMES), ("hit", ("", *HITS, "map"))):
+        if name in cells and cells[name] not in words:
+            wish = ", ".join(word or "none" for word in words)
             raise UnreadableFileError(place, ROW, f"{name} must be one of {wish}, got {cells[name][:40]!r}")
     needed = [field.name for field in fields(kind) if field.default is MISSING]  # type: ignore[arg-type]
     for name in needed:
         least = -math.inf if name == "min_clearance" else 1e-9 if name == "top_speed" else 0
         if name in cells and not isinstance(cells[name], str) and not cells[name] >= least:
             raise UnreadableFileError(place, ROW, f"{name} must be a number >= {least:g}, got {row[name] or 'none'}")
-    return kind(**given, **cells)
+    return kind(**values, **cells)
 
 
 @cache
 def _readers(kind: type) -> Mapping[str, Callable[[str], object]]:
     """Return the function that reads the cell of each field of a dataclass, for fields of readable types."""
-    return {name: _READERS[one] for name, one in get_type_hints(kind).items() if one in _READERS}
+    return {name: _READERS[hint] for name, hint in get_type_hints(kind).items() if hint in _READERS}
 
 
 def plain(data: object) -> Any:

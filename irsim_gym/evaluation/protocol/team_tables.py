@@ -64,8 +64,8 @@ def compared_table(summaries: Sequence[TeamSummary]) -> Table | None:
 
 
 def _agent_cells(agent: AgentRow) -> dict[str, object]:
-    own = {name: getattr(agent.episode, name) for name in EPISODE_COLUMNS}
-    return {**own, "agent": agent.agent, **{name: getattr(agent, name) for name in AGENT_COLUMNS}}
+    cells = {name: getattr(agent.episode, name) for name in EPISODE_COLUMNS}
+    return {**cells, "agent": agent.agent, **{name: getattr(agent, name) for name in AGENT_COLUMNS}}
 
 
 def _level_cells(level: TeamRow) -> dict[str, object]:

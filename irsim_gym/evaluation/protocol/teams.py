@@ -41,12 +41,12 @@ def evaluate_team(
         on_episodes: Called with the number of levels that have just ended.
         watcher: Observes each step.
     """
-    found, motion = optima_of(split, optima), MotionLog(episodes)
+    best, motion = optima_of(split, optima), MotionLog(episodes)
     limit = episodes.task.max_steps * float(episodes.simulation.model.step_time[0])
     rows: dict[int, TeamRow] = {}
-    for indices, worlds, played in drive(policy, episodes, levels, split, found, motion, watcher):
+    for indices, worlds, played in drive(policy, episodes, levels, split, best, motion, watcher):
         for index, world, level in zip(indices, worlds, played, strict=True):
-            agents = [_agent_row(episodes, found, motion, world, level, a) for a in range(episodes.n_agents)]
+            agents = [_agent_row(episodes, best, motion, world, level, a) for a in range(episodes.n_agents)]
             rows[index] = TeamRow(level, limit, tuple(agents))
         if on_episodes is not None:
             on_episodes(len(worlds))

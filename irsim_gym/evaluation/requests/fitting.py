@@ -46,16 +46,16 @@ def fitting_references(names: Iterable[str], episodes: Episodes, file: TextIO) -
 
 def report_perceptions(policies: Mapping[str, Policy], worlds: Perceived) -> None:
     """Print to standard error which policies do not use the task's observations, a line for equal observations."""
-    own: dict[str, list[str]] = {}
+    policies_by: dict[str, list[str]] = {}
     for name, policy in policies.items():
         if worlds.of(policy) is not worlds.episodes:
-            own.setdefault(", ".join(worlds.observed_by(policy) or ()), []).append(name)
-    for observed, names in own.items():
+            policies_by.setdefault(", ".join(worlds.observed_by(policy) or ()), []).append(name)
+    for observed, names in policies_by.items():
         who = f"{', '.join(names)}: {observed}"
         print(f"{who}, as in training, not the observations of '{worlds.episodes.task.name}'", file=sys.stderr)
 
 
 def observed_by(policies: Mapping[str, Policy], worlds: Perceived) -> dict[str, list[str]]:
     """Return the names of the observations of each policy that uses observations."""
-    found = {name: worlds.observed_by(policy) for name, policy in policies.items()}
-    return {name: names for name, names in found.items() if names is not None}
+    observed = {name: worlds.observed_by(policy) for name, policy in policies.items()}
+    return {name: names for name, names in observed.items() if names is not None}

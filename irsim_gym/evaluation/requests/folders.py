@@ -66,14 +66,14 @@ def check_free(file: Path | None, overwrite: bool = False) -> None:
 
 def free_file(first: Path, overwrite: bool = False) -> Path:
     """Return the first of ``film.mp4``, ``film-2.mp4`` and so on that does not exist; with ``overwrite`` the first."""
-    names = (one.with_suffix(first.suffix) for one in numbered(first.with_suffix("")))
+    names = (path.with_suffix(first.suffix) for path in numbered(first.with_suffix("")))
     return first if overwrite else next(file for file in names if not file.exists())
 
 
 def labelled(scenario: str, parameters: Mapping[str, object] | None = None) -> str:
     """Return the name of a scenario with the values of its parameters, for use in a file name."""
-    given = "".join(f"-{name}={value}" for name, value in (parameters or {}).items())
-    return as_name(f"{Path(scenario_name(scenario)).stem}{given}")
+    values = "".join(f"-{name}={value}" for name, value in (parameters or {}).items())
+    return as_name(f"{Path(scenario_name(scenario)).stem}{values}")
 
 
 def as_name(text: str) -> str:

@@ -17,7 +17,7 @@ def machine() -> dict[str, Any]:
         "cores": os.cpu_count(),
         "system": platform.platform(),
         "python": platform.python_version(),
-        "versions": {"irsim_gym": __version__, **{name: found for name in names if (found := _installed(name))}},
+        "versions": {"irsim_gym": __version__, **{name: version for name in names if (version := _installed(name))}},
     }
 
 

@@ -66,13 +66,13 @@ def by_method(sources: Sources) -> dict[str, list[Source]]:
     """
     if not isinstance(sources, Mapping):
         return {name: [source] for name, source in zip(policy_names(sources), sources, strict=True)}
-    found: dict[str, list[Source]] = {}
-    for name, given in sources.items():
-        several = isinstance(given, Sequence) and not isinstance(given, str)
-        found[name] = list(given) if several else [given]  # type: ignore[arg-type, list-item]
-        if not found[name]:
+    methods: dict[str, list[Source]] = {}
+    for name, policies in sources.items():
+        several = isinstance(policies, Sequence) and not isinstance(policies, str)
+        methods[name] = list(policies) if several else [policies]  # type: ignore[arg-type, list-item]
+        if not methods[name]:
             raise IrsimGymError(f"the method '{name}' has no policies: give it one, or a list of several")
-    return found
+    return methods
 
 
 def names_of_policies(methods: Mapping[str, Sequence[Source]]) -> dict[str, list[str]]:
@@ -81,12 +81,12 @@ def names_of_policies(methods: Mapping[str, Sequence[Source]]) -> dict[str, list
     Raises:
         IrsimGymError: If two policies would have the same name.
     """
-    found = {
+    names_by_method = {
         name: [name] if len(sources) == 1 else [f"{name}-{number}" for number in range(1, len(sources) + 1)]
         for name, sources in methods.items()
     }
-    names = [name for several in found.values() for name in several]
+    names = [name for several in names_by_method.values() for name in several]
     twice = sorted({name for name in names if names.count(name) > 1})
     if twice:
         raise IrsimGymError(f"two policies are named '{twice[0]}': give their methods other names")
-    return found
+    return names_by_method

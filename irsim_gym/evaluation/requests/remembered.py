@@ -21,7 +21,7 @@ Parameters = Mapping[str, object]
 
 
 def remembered_parameters(
-    scenario: str, sources: Sequence[str | Path], given: Mapping[str, object] | None = None, *, strict: bool = True
+    scenario: str, sources: Sequence[str | Path], parameters: Mapping[str, object] | None = None, *, strict: bool = True
 ) -> dict[str, Any]:
     """Return values for a scenario's parameters: those that the user sets, and those of the policies' trainings.
 
@@ -32,23 +32,23 @@ def remembered_parameters(
     Args:
         scenario: Shipped name, environment id, or path of a scenario file.
         sources: Policies, as ``load_policy`` takes them.
-        given: Values that the user sets, which take precedence.
+        parameters: Values that the user sets, which take precedence.
     """
-    own = dict(given or {})
+    chosen = dict(parameters or {})
     runs = [_trained_with(scenario, source) for source in sources if not is_named_policy(source)]
     if not any(runs):
-        return own
-    defaults = load_scenario(scenario_name(scenario), own, strict=strict, warn=False).parameters
-    unset = {name: value for name, value in defaults.items() if name not in own}
+        return chosen
+    defaults = load_scenario(scenario_name(scenario), chosen, strict=strict, warn=False).parameters
+    unset = {name: value for name, value in defaults.items() if name not in chosen}
     values = {name: [run.get(name, default) for run in runs] for name, default in unset.items()}
-    agreed = {name: found[0] for name, found in values.items() if all(value == found[0] for value in found)}
+    agreed = {name: choices[0] for name, choices in values.items() if all(value == choices[0] for value in choices)}
     used = {name: value for name, value in agreed.items() if value != defaults[name]}
     if used:
         _say(f"{with_parameters(scenario, used)}, as in training; use --set NAME=VALUE to change them")
     differing = {name: default for name, default in unset.items() if name not in agreed}
     if differing:
         _say(f"{with_parameters(scenario, differing)}, the defaults, because the policies were trained with others")
-    return {**own, **used}
+    return {**chosen, **used}
 
 
 def changes_since(
@@ -96,28 +96,28 @@ def _changes_since_card(
     return [] if now.digest == card.sha256 else ["its hash is not that on the card"]
 
 
-def report_changes(asked: ScenarioRequest, sources: Sequence[str | Path]) -> None:
+def report_changes(request: ScenarioRequest, sources: Sequence[str | Path]) -> None:
     """Print to standard error how a scenario has changed since policies were trained in it, a line for each policy."""
-    scenario, task = str(asked.scenario), None if asked.task is None else str(asked.task)
+    scenario, task = str(request.scenario), None if request.task is None else str(request.task)
     for source in sources:
-        found = changes_since(scenario, source, task, strict=asked.strict)
-        if found:
-            _say(change_message(scenario, source, found))
+        changes = changes_since(scenario, source, task, strict=request.strict)
+        if changes:
+            _say(change_message(scenario, source, changes))
 
 
-def as_trained(asked: ScenarioRequest, sources: Sequence[str | Path]) -> ScenarioRequest:
+def as_trained(request: ScenarioRequest, sources: Sequence[str | Path]) -> ScenarioRequest:
     """Return a scenario with the parameters of the policies' trainings, and report how it has changed since then."""
-    used = remembered_parameters(str(asked.scenario), sources, asked.parameters, strict=asked.strict)
-    report_changes(asked, sources)
-    return replace(asked, parameters=used)
+    used = remembered_parameters(str(request.scenario), sources, request.parameters, strict=request.strict)
+    report_changes(request, sources)
+    return replace(request, parameters=used)
 
 
-def change_message(scenario: str | Path, source: str | Path, found: list[str]) -> str:
+def change_message(scenario: str | Path, source: str | Path, changes: list[str]) -> str:
     """Return the message about a scenario that has changed since a policy was trained in it."""
     run = RunFolder(folder_of(source))
     copied = run.snapshot()
     where = "" if copied is None else f". As it was: {run.copy / copied.file}"
-    return f"{scenario} has changed since {source} was trained: {listed(found)}{where}"
+    return f"{scenario} has changed since {source} was trained: {listed(changes)}{where}"
 
 
 def _trained_with(scenario: str, source: str | Path) -> dict[str, Any]:
@@ -142,8 +142,8 @@ def _only_parameters(scenario: str, parts: Sequence[tuple[str, Parameters]]) -> 
 
     The result is empty if the scenario is missing, or if a mixture lists it with different parameters.
     """
-    found = [parameters for name, parameters in parts if name == scenario]
-    return dict(found[0]) if found and all(one == found[0] for one in found) else {}
+    matches = [parameters for name, parameters in parts if name == scenario]
+    return dict(matches[0]) if matches and all(match == matches[0] for match in matches) else {}
 
 
 def _say(line: str) -> None:

@@ -52,8 +52,8 @@ class Algorithm:
         if team and self.team_module:
             module, name = self.team_module, f"Masked{name}"
         require("contrib" if self.module == "sb3_contrib" else "train", f"the algorithm {self.name}")
-        found: type[BaseAlgorithm] = getattr(importlib.import_module(module), name)
-        return found
+        cls: type[BaseAlgorithm] = getattr(importlib.import_module(module), name)
+        return cls
 
     def check_action(self, action: Any, named: str) -> None:
         """Check that the algorithm supports a task's action.
@@ -64,7 +64,7 @@ class Algorithm:
         kind = DISCRETE if action.n_choices else CONTINUOUS
         if kind in self.actions:
             return
-        others = ", ".join(one.name for one in ALGORITHMS.values() if kind in one.actions)
+        others = ", ".join(other.name for other in ALGORITHMS.values() if kind in other.actions)
         if kind == CONTINUOUS:
             what, way = "one of several commands", f"give the task `action: discrete` (--task {SHIPPED_TASK})"
         else:
@@ -90,7 +90,7 @@ def _listed() -> Iterator[Algorithm]:
     yield Algorithm("gru_ppo", "irsim_gym.envs.sb3_learning.gru", "GruPPO", _BOTH, policy_suffix="Gru")
 
 
-ALGORITHMS: Mapping[str, Algorithm] = MappingProxyType({one.name: one for one in _listed()})
+ALGORITHMS: Mapping[str, Algorithm] = MappingProxyType({algorithm.name: algorithm for algorithm in _listed()})
 
 
 def find_algorithm(name: str) -> Algorithm:

@@ -27,10 +27,10 @@ def apply_steps(steps: Sequence[Options], arrays: Sequence[Arrays], rows: NDArra
         steps: Options of each step.
         rows: Inputs, ``(n, ...)``.
     """
-    found: Floats = rows.astype(np.float64)
-    for step, own in zip(steps, arrays, strict=True):
-        found = STEPS[step["kind"]](found, own, step)
-    return found
+    values: Floats = rows.astype(np.float64)
+    for step, step_arrays in zip(steps, arrays, strict=True):
+        values = STEPS[step["kind"]](values, step_arrays, step)
+    return values
 
 
 def check_steps(steps: Sequence[Options]) -> None:
@@ -56,8 +56,8 @@ def convolution(rows: Floats, arrays: Arrays, step: Options) -> Floats:
     windows = sliding_window_view(rows, weight.shape[2:], axis=(2, 3))
     down, right = step["stride"]
     seen = windows[:, :, ::down, ::right].transpose(0, 2, 3, 1, 4, 5)
-    found = product(seen.reshape(-1, weight[0].size), weight.reshape(len(weight), -1)) + arrays["bias"]
-    return found.reshape(*seen.shape[:3], -1).transpose(0, 3, 1, 2)
+    products = product(seen.reshape(-1, weight[0].size), weight.reshape(len(weight), -1)) + arrays["bias"]
+    return products.reshape(*seen.shape[:3], -1).transpose(0, 3, 1, 2)
 
 
 def product(rows: Floats, weight: Floats) -> Floats:
@@ -70,8 +70,8 @@ def product(rows: Floats, weight: Floats) -> Floats:
     parts = -(-len(rows) // size)
     padded = np.zeros((parts * size, rows.shape[1]))
     padded[: len(rows)] = rows
-    found: Floats = padded.reshape(parts, size, -1) @ weight.T
-    return found.reshape(-1, len(weight))[: len(rows)]
+    products: Floats = padded.reshape(parts, size, -1) @ weight.T
+    return products.reshape(-1, len(weight))[: len(rows)]
 
 
 def gru_cell(rows: Floats, memory: Floats, arrays: Arrays) -> Floats:
@@ -79,12 +79,12 @@ def gru_cell(rows: Floats, memory: Floats, arrays: Arrays) -> Floats:
 
     The weights of the reset gate, the update gate and the candidate are stacked in this order, as in PyTorch.
     """
-    given = product(rows, arrays["weight_ih"]) + arrays["bias_ih"]
-    known = product(memory, arrays["weight_hh"]) + arrays["bias_hh"]
+    inputs = product(rows, arrays["weight_ih"]) + arrays["bias_ih"]
+    recurrent = product(memory, arrays["weight_hh"]) + arrays["bias_hh"]
     size = memory.shape[1]
-    reset = _sigmoid(given[:, :size] + known[:, :size])
-    update = _sigmoid(given[:, size : 2 * size] + known[:, size : 2 * size])
-    new = np.tanh(given[:, 2 * size :] + reset * known[:, 2 * size :])
+    reset = _sigmoid(inputs[:, :size] + recurrent[:, :size])
+    update = _sigmoid(inputs[:, size : 2 * size] + recurrent[:, size : 2 * size])
+    new = np.tanh(inputs[:, 2 * size :] + reset * recurrent[:, 2 * size :])
     return np.asarray((1.0 - update) * new + update * memory)
 
 

@@ -101,14 +101,14 @@ class SavedPolicy:
         """
         model = self.model
         observed, acted = observation_space(episodes), action_space(episodes)
-        for what, learnt, here in (
+        for what, learnt, space in (
             ("observations", model.observation_space, observed),
             ("actions", model.action_space, acted),
         ):
-            if form_of(learnt) not in (form_of(here), form_of(channels_first(here))):
+            if form_of(learnt) not in (form_of(space), form_of(channels_first(space))):
                 raise UnfitPolicyError(
                     f"the policy was trained with {what} {form_of(learnt)}, but those of task '{episodes.task.name}' "
-                    f"in '{episodes.simulation.scenario.name}' are {form_of(here)}"
+                    f"in '{episodes.simulation.scenario.name}' are {form_of(space)}"
                 )
 
     def _chunk(self, seen: Any, slots: Ints) -> NDArray[Any]:
@@ -132,7 +132,7 @@ class SavedPolicy:
 def torch_threads(model: BaseAlgorithm | ShelfPolicy) -> Iterator[None]:
     """Let PyTorch use one thread for a small network: several wait for each other longer than they work."""
     torch = sys.modules.get("torch")
-    if torch is None or not is_model(model) or sum(one.numel() for one in model.policy.parameters()) > MOST_WEIGHTS:
+    if torch is None or not is_model(model) or sum(item.numel() for item in model.policy.parameters()) > MOST_WEIGHTS:
         yield
         return
     before = torch.get_num_threads()
@@ -149,8 +149,8 @@ def memory_shape(model: BaseAlgorithm | ShelfPolicy) -> tuple[int, int, int] | N
         return model.memory_shape
     if hasattr(model.policy, "lstm_hidden_state_shape"):
         raise UnfitPolicyError("a model of sb3-contrib's recurrent PPO is not driven here: take sb3.GruPPO")
-    found: tuple[int, int, int] | None = getattr(model.policy, "memory_shape", None)
-    return found
+    shape: tuple[int, int, int] | None = getattr(model.policy, "memory_shape", None)
+    return shape
 
 
 def _padded(rows: NDArray[Any], part: slice) -> NDArray[Any]:
@@ -264,8 +264,8 @@ def _report_unfinished(source: Source) -> None:
         return
     run = RunFolder(Path(source))
     if run.exists() and not run.finished():
-        steps, wanted = int(policy_file(source).parent.name), run.trained().steps
-        print(f"{source} is not finished: its checkpoint after {steps:,} of {wanted:,} steps plays", file=sys.stderr)
+        steps, total = int(policy_file(source).parent.name), run.trained().steps
+        print(f"{source} is not finished: its checkpoint after {steps:,} of {total:,} steps plays", file=sys.stderr)
 
 
 def policy_file(source: str | Path) -> Path:
@@ -320,7 +320,7 @@ def policy_digest(source: str | Path) -> str | None:
 
 def policy_names(sources: Sequence[Source]) -> list[str]:
     """Return short, unique names: of the run for its folder or ``policy.zip``, else of the file or the function."""
-    names = [_short_name(Path(one)) if isinstance(one, str | Path) else _called(one) for one in sources]
+    names = [_short_name(Path(item)) if isinstance(item, str | Path) else _called(item) for item in sources]
     return [name if names.count(name) == 1 else f"{name}-{names[:i].count(name) + 1}" for i, name in enumerate(names)]
 
 

@@ -59,7 +59,7 @@ def runs_below(folder: Path = RUNS, depth: int = DEPTH) -> list[Path]:
 def _runs(folder: Path, depth: int) -> Iterator[Path]:
     if not depth or not folder.is_dir():
         return
-    for below in sorted(one for one in folder.iterdir() if one.is_dir()):
+    for below in sorted(path for path in folder.iterdir() if path.is_dir()):
         if holds_policy(below):
             yield below
         else:
@@ -128,14 +128,14 @@ def all_unknown(missing: Sequence[UnknownPolicyError]) -> UnknownPolicyError:
 
 def read_each(read: Callable[[S], T], sources: Iterable[S]) -> tuple[list[T], list[UnknownPolicyError]]:
     """Return what a function makes of the sources that exist, and its errors for those that do not."""
-    found: list[T] = []
+    items: list[T] = []
     missing: list[UnknownPolicyError] = []
     for source in sources:
         try:
-            found.append(read(source))
+            items.append(read(source))
         except UnknownPolicyError as error:
             missing.append(error)
-    return found, missing
+    return items, missing
 
 
 def check_file(file: Path) -> None:

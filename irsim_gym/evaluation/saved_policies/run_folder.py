@@ -91,7 +91,7 @@ class RunFolder:
         with reading(self.config, CONFIG_KIND):
             data: dict[str, Any] = json_object(self.config)["settings"]
             learning = data["hyperparameters"]
-            mixture = tuple((one["scenario"], one["parameters"]) for one in data.get("mixture", ()))
+            mixture = tuple((part["scenario"], part["parameters"]) for part in data.get("mixture", ()))
             parameters, strict = data.get("parameters", {}), data.get("strict", True)
             team, steps = learning.get("team"), learning["n_timesteps"]
             return checked(Trained(data["scenario"], data["task"], parameters, strict, team, steps, mixture))

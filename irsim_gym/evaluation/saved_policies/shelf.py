@@ -102,14 +102,14 @@ class ShelfPolicy:
         """
         if not deterministic:
             raise ValueError("policies on the shelf do not draw their actions: pass deterministic=True")
-        given = _parts(observation, self.observation_space)
-        batches = {name: _batch(given[name], space) for name, space in spaces_of(self.observation_space).items()}
+        shown = _parts(observation, self.observation_space)
+        batches = {name: _batch(shown[name], space) for name, space in spaces_of(self.observation_space).items()}
         rows = {name: rows for name, (rows, _) in batches.items()}
         parts = [apply_steps(steps, self.part_arrays[name], rows[name]) for name, steps in self.parts.items()]
         seen = np.concatenate(parts, axis=1)
         if self.memory is not None:
-            known = gru_cell(seen, self._before(len(seen), state, episode_start), self.memory)
-            seen, state = np.concatenate([seen, known], axis=1), (known[None],)
+            memory = gru_cell(seen, self._before(len(seen), state, episode_start), self.memory)
+            seen, state = np.concatenate([seen, memory], axis=1), (memory[None],)
         actions = self._actions(seen)
         return (actions if all(several for _, several in batches.values()) else actions[0]), state
 
@@ -137,17 +137,17 @@ class ShelfPolicy:
         return memory
 
     def _actions(self, seen: NDArray[Any]) -> NDArray[Any]:
-        found: NDArray[Any] = apply_steps(self.trunk, self.trunk_arrays, seen)
+        outputs: NDArray[Any] = apply_steps(self.trunk, self.trunk_arrays, seen)
         space = self.action_space
-        wanted = int(space.n if isinstance(space, Discrete) else np.prod(space.shape))
-        if found.shape[1:] != (wanted,):
-            raise ValueError(f"the network returns {found.shape[1:]} numbers for an action of {wanted}")
+        width = int(space.n if isinstance(space, Discrete) else np.prod(space.shape))
+        if outputs.shape[1:] != (width,):
+            raise ValueError(f"the network returns {outputs.shape[1:]} numbers for an action of {width}")
         if isinstance(space, Discrete):
-            return np.asarray(found.argmax(axis=1))
+            return np.asarray(outputs.argmax(axis=1))
         low, high = space.low.astype(np.float64), space.high.astype(np.float64)
         if self.output == "squash":
-            found = low + 0.5 * (np.tanh(found) + 1.0) * (high - low)
-        return np.asarray(np.clip(found, low, high), np.float32).reshape(-1, *low.shape)
+            outputs = low + 0.5 * (np.tanh(outputs) + 1.0) * (high - low)
+        return np.asarray(np.clip(outputs, low, high), np.float32).reshape(-1, *low.shape)
 
 
 def shelf_folder() -> Path:
@@ -234,12 +234,12 @@ def policy_arrays(form: Mapping[str, Any], arrays: Mapping[str, NDArray[Any]]) -
 
 def _arrays_of(place: str, steps: Sequence[Options], arrays: Mapping[str, NDArray[Any]]) -> list[dict[str, Floats]]:
     """Return the arrays of each step: their names begin with the place of the step."""
-    found: list[dict[str, Floats]] = []
+    layers: list[dict[str, Floats]] = []
     for i in range(len(steps)):
         head = f"{place}/{i}/"
-        own = {name.removeprefix(head): array for name, array in arrays.items() if name.startswith(head)}
-        found.append({name: array.astype(np.float64) for name, array in own.items()})
-    return found
+        layer = {name.removeprefix(head): array for name, array in arrays.items() if name.startswith(head)}
+        layers.append({name: array.astype(np.float64) for name, array in layer.items()})
+    return layers
 
 
 def _observation_space(form: Mapping[str, str], arrays: Mapping[str, NDArray[Any]]) -> Space[Any]:
@@ -270,11 +270,11 @@ def _parts(observation: Observation, space: Space[Any]) -> Mapping[str, NDArray[
     if isinstance(observation, Mapping) != isinstance(space, Dict):
         kind = "a dict" if isinstance(observation, Mapping) else "an array"
         raise ValueError(f"the policy was trained with observations of {_shapes(space)}, got {kind}")
-    given = observation if isinstance(observation, Mapping) else {LONE: observation}
-    missing = [name for name in spaces_of(space) if name not in given]
+    parts = observation if isinstance(observation, Mapping) else {LONE: observation}
+    missing = [name for name in spaces_of(space) if name not in parts]
     if missing:
         raise ValueError(f"the observation has no {', '.join(missing)}; the policy was trained with {_shapes(space)}")
-    return given
+    return parts
 
 
 def _shapes(space: Space[Any]) -> str:
@@ -286,18 +286,18 @@ def _listed(shapes: Sequence[tuple[int, ...]]) -> str:
     return ", ".join(map(str, shapes)) or "none"
 
 
-def _batch(given: NDArray[Any], space: Space[Any]) -> tuple[NDArray[Any], bool]:
+def _batch(observation: NDArray[Any], space: Space[Any]) -> tuple[NDArray[Any], bool]:
     """Return observations as rows, pictures with their channels first, and whether there were several.
 
     Raises:
         ValueError: They are of another shape.
     """
-    rows, shape = np.asarray(given), space.shape
+    rows, shape = np.asarray(observation), space.shape
     assert shape is not None
     for several in (False, True):
-        found = rows if several else rows[None]
-        if found.shape[1:] == shape:
-            return found, several
-        if len(shape) == 3 and found.ndim == 4 and found.transpose(0, 3, 1, 2).shape[1:] == shape:
-            return found.transpose(0, 3, 1, 2), several
+        batch = rows if several else rows[None]
+        if batch.shape[1:] == shape:
+            return batch, several
+        if len(shape) == 3 and batch.ndim == 4 and batch.transpose(0, 3, 1, 2).shape[1:] == shape:
+            return batch.transpose(0, 3, 1, 2), several
     raise ValueError(f"the policy was trained with observations of shape {shape}, got {rows.shape}")

@@ -19,7 +19,7 @@ def print_shelf() -> None:
         table.add_column(Text(head), no_wrap=head == "policy", justify="right" if head in ("CPU s", "kB") else "left")
     for file in shelf_files().values():
         card = _card(file)
-        shown = [one for one in card.results if _is_of_training(one, card)] or card.results
+        shown = [result for result in card.results if _is_of_training(result, card)] or card.results
         figures = percent(shown[0].success), f"{shown[0].levels:,} {shown[0].split}"
         cells = (card.name, _trained_in(card, briefly=True), card.scenario.task or "its own", *figures, _needed(card))
         table.add_row(*map(Text, (*cells, f"{card.training.cpu_seconds:.0f}", f"{card.size / 1000:.0f}")))
@@ -100,7 +100,7 @@ def _trained_in(card: PolicyCard, *, briefly: bool = False) -> str:
     if others and briefly:
         named += f" and {len(others)} more"
     elif others:
-        named = ", ".join([named, *(with_parameters(one.name, one.parameters) for one in others)])
+        named = ", ".join([named, *(with_parameters(part.name, part.parameters) for part in others)])
     return named if card.scenario.team is None else f"{named}, as a team"
 
 

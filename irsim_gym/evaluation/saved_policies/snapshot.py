@@ -131,10 +131,10 @@ def dotted_keys(place: Keys) -> str:
     return text
 
 
-def listed(found: list[str]) -> str:
+def listed(changes: list[str]) -> str:
     """Return the first differences of a list as text, and the number of further ones."""
-    more = len(found) - MAX_SHOWN
-    return "; ".join([*found[:MAX_SHOWN], *([f"and {more} more"] if more > 0 else [])])
+    more = len(changes) - MAX_SHOWN
+    return "; ".join([*changes[:MAX_SHOWN], *([f"and {more} more"] if more > 0 else [])])
 
 
 def _shown(place: Keys, values: Mapping[Keys, Any]) -> str:
@@ -176,24 +176,24 @@ def _leaves(value: object, place: Keys) -> Iterator[tuple[Keys, Any]]:
 
 def _copy_map(loaded: Scenario, sections: dict[str, Any], pictures: dict[str, Path]) -> None:
     """Add the image of the obstacle map, if it has one, to the copy, and refer to it in ``sections``."""
-    made = loaded.world.obstacle_map
-    path = getattr(made, "path", None)
+    grid = loaded.world.obstacle_map
+    path = getattr(grid, "path", None)
     world = sections.get("world")
     if not isinstance(path, str) or not isinstance(world, Mapping):
         return
     file = find_map(path, (Path(loaded.file).parent,))
     name = _add_ros_map(file, pictures) if file.suffix in SUFFIXES else _add_file(file, pictures)
-    given = world.get("obstacle_map")
-    sections["world"] = {**world, "obstacle_map": {**given, "path": name} if isinstance(given, Mapping) else name}
+    section = world.get("obstacle_map")
+    sections["world"] = {**world, "obstacle_map": {**section, "path": name} if isinstance(section, Mapping) else name}
 
 
 def _add_ros_map(file: Path, pictures: dict[str, Path]) -> str:
     """Add a map of ROS with its image, in a folder of their own, and return the name of its file in the copy."""
-    found = read_ros_map(file)
-    folder = f"{file.stem}-{hashlib.sha256(file.read_bytes() + found.image.read_bytes()).hexdigest()[:12]}"
+    ros_map = read_ros_map(file)
+    folder = f"{file.stem}-{hashlib.sha256(file.read_bytes() + ros_map.image.read_bytes()).hexdigest()[:12]}"
     pictures[f"{folder}/{file.name}"] = file
-    if not Path(found.content.image).is_absolute():
-        pictures[f"{folder}/{found.content.image}"] = found.image
+    if not Path(ros_map.content.image).is_absolute():
+        pictures[f"{folder}/{ros_map.content.image}"] = ros_map.image
     return f"{folder}/{file.name}"
 
 
@@ -205,8 +205,8 @@ def _with_pictures(entry: object, file: str, pictures: dict[str, Path]) -> Any:
     def added(name: object) -> Any:
         return _add_file(asset("images", name, file), pictures) if isinstance(name, str) else name
 
-    given = entry["description"]
-    return {**entry, "description": [added(one) for one in given] if isinstance(given, list) else added(given)}
+    texts = entry["description"]
+    return {**entry, "description": [added(text) for text in texts] if isinstance(texts, list) else added(texts)}
 
 
 def _with_recording(entry: object, file: str, pictures: dict[str, Path]) -> Any:

@@ -21,12 +21,12 @@ def print_suite(names: Sequence[str]) -> None:
     """
     from irsim_gym.envs.gymnasium.registration import env_id
 
-    found = shipped_suite()
-    members = found.chosen(names) if names else list(found.members.values())
-    for tier, those in found.tiers.items():
+    suite = shipped_suite()
+    members = suite.chosen(names) if names else list(suite.members.values())
+    for tier, those in suite.tiers.items():
         print(f"{tier}: {len(those)} benchmarks")
     for member in members:
-        tiers = ", ".join(found.tiers_of(member.name)) or "no tier"
+        tiers = ", ".join(suite.tiers_of(member.name)) or "no tier"
         robots = f", {_robots(member)} robots" if member.team else ""
         print(f"\n{member.name} ({tiers}{robots})")
         for line in _lines(member, env_id(member.scenario)):
@@ -41,12 +41,12 @@ def reference_figures() -> Mapping[str, Any]:
         return json_object(file)["figures"] if file.is_file() else {}
 
 
-def _lines(member: Member, one: str) -> list[str]:
-    given = "".join(f", {name}={value}" for name, value in member.parameters.items())
-    given += f", disturbed by the factor {member.disturbed} of robustness" if member.disturbed else ""
+def _lines(member: Member, title: str) -> list[str]:
+    parameters = "".join(f", {name}={value}" for name, value in member.parameters.items())
+    parameters += f", disturbed by the factor {member.disturbed} of robustness" if member.disturbed else ""
     rows = reference_figures().get(member.name, {})
     figures = ", ".join(f"{name} {100.0 * row['success']['value']:.1f} %" for name, row in rows.items())
-    texts = [member.asks, f"{one}{given}", *([f"success: {figures}"] if figures else [])]
+    texts = [member.asks, f"{title}{parameters}", *([f"success: {figures}"] if figures else [])]
     texts += [f"differs from the original: {member.differs}"] if member.differs else []
     return [line for text in texts for line in wrap(text, LINE - 2)]
 

@@ -60,9 +60,9 @@ class Member:
         factor = chosen_factors([self.disturbed])[0]
         return factor.text(factor.strengths[-1]), factor.noise * factor.strengths[-1]
 
-    def levels_of(self, asked: int) -> int:
-        """Return the number of levels to play if ``asked`` are requested: at most as many as the benchmark has."""
-        return min(asked, self.levels or asked)
+    def levels_of(self, n_levels: int) -> int:
+        """Return the number of levels to play if ``n_levels`` are requested: at most as many as the benchmark has."""
+        return min(n_levels, self.levels or n_levels)
 
 
 @dataclass(frozen=True)
@@ -83,7 +83,7 @@ class Suite:
         Raises:
             UnknownNameError: If a name is neither a tier nor a member; the message names the nearest one and all tiers.
         """
-        wanted: set[str] = set()
+        chosen_names: set[str] = set()
         for name in names:
             if name not in self.tiers and name not in self.members:
                 near = suggestion(name, [*self.tiers, *self.members])
@@ -91,8 +91,8 @@ class Suite:
                     f"no tier or benchmark of the suite named '{name}'{near}; tiers: {', '.join(self.tiers)}; "
                     "`irsim-gym suite list` shows all benchmarks"
                 )
-            wanted.update(self.tiers.get(name, (name,)))
-        return [member for name, member in self.members.items() if name in wanted]
+            chosen_names.update(self.tiers.get(name, (name,)))
+        return [member for name, member in self.members.items() if name in chosen_names]
 
     def tiers_of(self, name: str) -> list[str]:
         """Return the tiers that hold a member."""
@@ -150,5 +150,5 @@ def _member(name: str, value: object, report: Report) -> Member:
     if not isinstance(scenario, str) or scenario not in every_scenario():
         near = suggestion(str(scenario), every_scenario())
         report.add((*place, "scenario"), f"no shipped scenario {show(scenario)}{near}")
-    known = {key: entry[key] for key in KEYS if key in entry}
-    return Member(**{"asks": "", **known, "name": name, "scenario": scenario})
+    fields = {key: entry[key] for key in KEYS if key in entry}
+    return Member(**{"asks": "", **fields, "name": name, "scenario": scenario})

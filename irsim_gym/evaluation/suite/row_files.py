@@ -28,18 +28,18 @@ def read_rows(path: Path, levels: int | None = None) -> list[TeamRow]:
     Raises:
         UnreadableFileError: If a column or a row is missing or a value is invalid; the message names the line.
     """
-    found: dict[int, TeamRow] = {}
+    teams: dict[int, TeamRow] = {}
     for place, row in tables.read_rows(path, EpisodeRow, AgentRow, TeamRow):
         episode = tables.read_cells(place, EpisodeRow, row)
         agent, number = tables.read_cells(place, AgentRow, row, episode=episode), episode.level
-        if levels is not None and number not in (*list(found)[-1:], len(found)):
-            reason = f"level must be {len(found)}, got {number}: a row before it is missing, or this one is there twice"
+        if levels is not None and number not in (*list(teams)[-1:], len(teams)):
+            reason = f"level must be {len(teams)}, got {number}: a row before it is missing, or this one is there twice"
             raise UnreadableFileError(place, tables.ROW, reason)
-        level = found.get(number) or tables.read_cells(place, TeamRow, row, agents=())
+        level = teams.get(number) or tables.read_cells(place, TeamRow, row, agents=())
         if agent.agent in [other.agent for other in level.agents]:
             raise UnreadableFileError(place, tables.ROW, f"'{agent.agent}' has two rows in level {number}")
-        found[number] = replace(level, agents=(*level.agents, agent))
-    rows = list(found.values())
+        teams[number] = replace(level, agents=(*level.agents, agent))
+    rows = list(teams.values())
     if levels is not None:
         _check_levels(path, rows, levels)
     return rows
@@ -57,5 +57,5 @@ def _check_levels(path: Path, rows: Sequence[TeamRow], levels: int) -> None:
 
 
 def _cells(level: TeamRow, agent: AgentRow) -> dict[str, object]:
-    own = {name: getattr(agent.episode, name) for name in EPISODE}
-    return {**own, **{name: getattr(agent, name) for name in AGENT}, "limit": level.limit}
+    fields = {name: getattr(agent.episode, name) for name in EPISODE}
+    return {**fields, **{name: getattr(agent, name) for name in AGENT}, "limit": level.limit}

@@ -43,9 +43,9 @@ def score_suite(record: SuiteRecord, folder: Path) -> None:
     for member, methods in record.runs.items():
         files = {method: [entry["file"] for entry in entries if "file" in entry] for method, entries in methods.items()}
         played[member] = {
-            method: [read_rows(folder / file, record.played(member)) for file in found]
-            for method, found in files.items()
-            if found
+            method: [read_rows(folder / file, record.played(member)) for file in paths]
+            for method, paths in files.items()
+            if paths
         }
     scores: dict[str, dict[str, Figures]] = {}
     for member, repetitions in played.items():
@@ -75,8 +75,8 @@ def _certified_levels(member: Mapping[str, Any]) -> PlayedLevels:
         scenario = load_scenario(member["scenario"], member["parameters"], warn=False)
     except IrsimGymError:  # rows of an earlier version whose scenario had other parameters
         return PlayedLevels(count, digest, of["level_file"] or "", None)
-    found = find_certificate(scenario, of["agents"], of["split"], digest, count)
-    return PlayedLevels(count, digest, of["level_file"] or "", found)
+    certificate = find_certificate(scenario, of["agents"], of["split"], digest, count)
+    return PlayedLevels(count, digest, of["level_file"] or "", certificate)
 
 
 def score_member(methods: Mapping[str, Repetitions], quarters: Ints | None = None) -> dict[str, Figures]:
@@ -131,7 +131,7 @@ def score_method(repetitions: Repetitions, common: set[int], quarters: Ints | No
     """
     summaries = [summarize_team("", rows) for rows in repetitions]
     success = _successes(repetitions)
-    own = [worst_shares([levels]) for levels in success]
+    worst = [worst_shares([levels]) for levels in success]
     episodes = [agent.episode for rows in repetitions for row in rows for agent in row.agents]
     there = [episode for episode in episodes if episode.level in common]
 
@@ -145,7 +145,7 @@ def score_method(repetitions: Repetitions, common: set[int], quarters: Ints | No
         "outcomes": {name: fmean(episode.outcome == name for episode in episodes) for name in OUTCOMES},
         "hits": {hit: mean([summary.collision_with[hit].value for summary in summaries]) for hit in TEAM_HITS},
         "deadlocked": over("deadlocked.value"),
-        "worst": {share: mean([one[share] for one in own]) for share in own[0]},
+        "worst": {share: mean([shares[share] for shares in worst]) for share in worst[0]},
         "worst_shared": worst_shares(success) if len(success) > 1 else {},
         "quarters": _by_quarter(success, quarters),
         "time": _of_successes(episodes, "time"),
@@ -169,7 +169,7 @@ def overall(success: Mapping[str, Mapping[str, Sequence[float]]], methods: Seque
         with its stratified bootstrap interval. ``improvement``: by two methods, the probability that a policy of the
         first beats one of the second.
     """
-    common = [member for member, found in success.items() if all(method in found for method in methods)]
+    common = [member for member, rates in success.items() if all(method in rates for method in methods)]
     if not common or not methods:
         return {"benchmarks": [], "success": {}, "improvement": {}}
     scores = {method: [success[member][method] for member in common] for method in methods}
@@ -185,8 +185,8 @@ def overall(success: Mapping[str, Mapping[str, Sequence[float]]], methods: Seque
 
 def _success(summaries: Sequence[TeamSummary]) -> Estimate:
     if len(summaries) == 1:
-        found = summaries[0].cooperative_success
-        return Estimate(found.value, found.low, found.high)
+        estimate = summaries[0].cooperative_success
+        return Estimate(estimate.value, estimate.low, estimate.high)
     return stratified_mean([[summary.cooperative_success.value for summary in summaries]])
 
 

@@ -91,11 +91,11 @@ def read_record(folder: Path) -> SuiteRecord:
     return record
 
 
-def _note(known: dict[str, Any], now: Mapping[str, Any], what: str) -> list[str]:
+def _note(earlier: dict[str, Any], now: Mapping[str, Any], what: str) -> list[str]:
     """Add new entries; return the names of known entries that differ."""
     changed = []
     for name, entry in now.items():
-        before = known.setdefault(name, entry)
+        before = earlier.setdefault(name, entry)
         same = before == entry if isinstance(entry, list) else all(before.get(key) == entry[key] for key in entry)
         if not same:
             changed.append(f"{what} {name}")
@@ -104,6 +104,6 @@ def _note(known: dict[str, Any], now: Mapping[str, Any], what: str) -> list[str]
 
 def _scenario(member: Member) -> dict[str, object]:
     digest = take_snapshot(member.scenario, None, member.parameters).digest
-    own = {"scenario": member.scenario, "parameters": dict(member.parameters), "team": member.team}
+    fields = {"scenario": member.scenario, "parameters": dict(member.parameters), "team": member.team}
     more = {"disturbed": member.disturbances[0]} if member.disturbed else {}
-    return {**own, **more, "differs": member.differs, "sha256": digest}
+    return {**fields, **more, "differs": member.differs, "sha256": digest}

@@ -48,8 +48,8 @@ def conditions_line(member: Mapping[str, Any]) -> str:
         *([f"disturbed by `{member['disturbed']}`"] if "disturbed" in member else []),
         f"scenario {member['sha256'][:12]}, level set {of['level_hash']}",
     ]
-    given = ", ".join(f"{name} = {value}" for name, value in member["parameters"].items())
-    return "; ".join([*([given] if given else []), *words]) + "."
+    parameters = ", ".join(f"{name} = {value}" for name, value in member["parameters"].items())
+    return "; ".join([*([parameters] if parameters else []), *words]) + "."
 
 
 def overview(record: SuiteRecord) -> str:

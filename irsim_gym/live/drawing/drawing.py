@@ -278,12 +278,12 @@ class Drawing:
         Args:
             old: Whether to include marks of an earlier moment that are still to be rendered.
         """
-        found = self._overlays.get(old)
-        if found is None:
+        overlay = self._overlays.get(old)
+        if overlay is None:
             marks = tuple(mark for mark, age in self._marks if old or age != OLD)
-            found = NOTHING if not marks and self._title is None else Overlay(marks, self._title)
-            self._overlays[old] = found
-        return found
+            overlay = NOTHING if not marks and self._title is None else Overlay(marks, self._title)
+            self._overlays[old] = overlay
+        return overlay
 
     @property
     def has_old(self) -> bool:

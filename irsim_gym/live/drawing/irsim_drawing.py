@@ -70,13 +70,13 @@ class IrSimDrawing:
         points = places.rows(traj, columns=True)
         if show_direction and len(points) and points.shape[1] < 3:
             raise ValueError("show_direction needs the heading of each point as its third coordinate: x, y, heading")
-        given = looks.known_as("draw_trajectory", kwargs, LINE_WORDS)
+        options = looks.known_as("draw_trajectory", kwargs, LINE_WORDS)
         named = looks.parsed(traj_type)
-        ink = strokes.StrokeInk.of(_first(given.get("color"), named.color, PATH), *_look(given, LINE_LAYER))
-        style = looks.line_style(given["style"]) if "style" in given else named.style
-        marker = looks.marker(given["marker"]) if "marker" in given else named.marker
+        ink = strokes.StrokeInk.of(_first(options.get("color"), named.color, PATH), *_look(options, LINE_LAYER))
+        style = looks.line_style(options["style"]) if "style" in options else named.style
+        marker = looks.marker(options["marker"]) if "marker" in options else named.marker
         look = looks.Format(named.color, style, marker)
-        marks = strokes.line(points, look, ink, given.get("width", 1.5), given.get("size", strokes.MARKER_SIZE))
+        marks = strokes.line(points, look, ink, options.get("width", 1.5), options.get("size", strokes.MARKER_SIZE))
         self._drawing.add(marks, refresh)
         if show_direction and len(points):
             headings = np.column_stack([np.cos(points[:, 2]), np.sin(points[:, 2])])
@@ -99,13 +99,13 @@ class IrSimDrawing:
             ValueError: These are no points, or there is no such look.
             TypeError: Another keyword.
         """
-        given = looks.known_as("draw_points", kwargs, POINT_WORDS)
+        options = looks.known_as("draw_points", kwargs, POINT_WORDS)
         if points is None:
             return
         rows, size = places.rows(points, columns=True), math.sqrt(looks.number("s", s)) + MARKER_EDGE
-        width = given.get("width", strokes.MARKER_WIDTH)
-        form = given.get("marker", "o")
-        self._drawing.add(strokes.points(rows, c, form, size, width, *_look(given, GROUND_LAYER)), refresh)
+        width = options.get("width", strokes.MARKER_WIDTH)
+        form = options.get("marker", "o")
+        self._drawing.add(strokes.points(rows, c, form, size, width, *_look(options, GROUND_LAYER)), refresh)
 
     def draw_box(self, vertex: ArrayLike, refresh: bool = False, color: str = "-") -> None:
         """Draw the edge of a polygon. New scripts use ``draw.polygon``.
@@ -141,9 +141,9 @@ class IrSimDrawing:
             ValueError: These are not four numbers, or there is no such look.
             TypeError: Another keyword.
         """
-        given = looks.known_as("draw_quiver", kwargs, ARROW_WORDS)
+        options = looks.known_as("draw_quiver", kwargs, ARROW_WORDS)
         if point is not None:
-            self._draw_quivers([np.asarray(point, np.float64).ravel()], given, refresh)
+            self._draw_quivers([np.asarray(point, np.float64).ravel()], options, refresh)
 
     def draw_quivers(self, /, points: ArrayLike, refresh: bool = False, **kwargs: object) -> None:
         """Draw a dot and an arrow for each point; see ``draw_quiver``.
@@ -163,25 +163,25 @@ class IrSimDrawing:
         """Write a title above the world until the next reset, like ``draw.title``; None restores the usual one."""
         self._drawing.title(title)
 
-    def _draw_quivers(self, points: ArrayLike, given: Mapping[str, Any], once: bool) -> None:
+    def _draw_quivers(self, points: ArrayLike, options: Mapping[str, Any], once: bool) -> None:
         rows = places.rows(points, least=4)
-        ink = strokes.StrokeInk.of(given.get("color", ARROW), *_look(given, GROUND_LAYER))
+        ink = strokes.StrokeInk.of(options.get("color", ARROW), *_look(options, GROUND_LAYER))
         self._drawing.add(strokes.forms(rows, ink, "o", ORIGIN_SIZE**0.5 + MARKER_EDGE), once)
         for row in rows:
-            self._draw_arrows(row[None], THICK, given, once)
+            self._draw_arrows(row[None], THICK, options, once)
 
-    def _draw_arrows(self, rows: Floats, width: float, given: Mapping[str, object], once: bool) -> None:
+    def _draw_arrows(self, rows: Floats, width: float, options: Mapping[str, object], once: bool) -> None:
         """Draw arrows of equal length. The more there are, the shorter they are, as in matplotlib."""
         x_min, _, x_max, _ = self._session.simulation.model.bounds.tolist()
         length = (x_max - x_min) / (SHARE * max(math.ceil(math.sqrt(len(rows))), FEWEST))
         size = {"length": length, "width": width * (x_max - x_min)}
-        alpha, layer = _look(given, GROUND_LAYER)
-        look = {"color": given.get("color", ARROW), "alpha": alpha, "layer": layer}
+        alpha, layer = _look(options, GROUND_LAYER)
+        look = {"color": options.get("color", ARROW), "alpha": alpha, "layer": layer}
         self._drawing.arrows(rows[:, :2], rows[:, 2:4], **size, **look, once=once)
 
 
-def _look(given: Mapping[str, object], layer: float) -> tuple[Any, Any]:
-    return given.get("alpha", 1.0), given.get("layer", layer)
+def _look(options: Mapping[str, object], layer: float) -> tuple[Any, Any]:
+    return options.get("alpha", 1.0), options.get("layer", layer)
 
 
 def _first(*values: object) -> Any:

@@ -52,11 +52,11 @@ def color(value: Color) -> str:
     Raises:
         ValueError: There is no such colour.
     """
-    found = as_text(value.tolist() if isinstance(value, np.ndarray) else value)
-    if isinstance(found, str):
-        problem = color_problem(found)
+    plain = as_text(value.tolist() if isinstance(value, np.ndarray) else value)
+    if isinstance(plain, str):
+        problem = color_problem(plain)
         if not problem:
-            return found
+            return plain
         raise ValueError(problem)
     raise ValueError(f"a colour is a name such as 'red', 'C0' or '#d62728', or (red, green, blue), got {value!r}")
 
@@ -93,15 +93,15 @@ def parsed(text: str) -> Format:
     """
     if text and text not in FORMS and not color_problem(text):
         return Format(text, "solid", "")
-    found: dict[str, str] = {}
+    parts: dict[str, str] = {}
     rest = text
     while rest:
         size, key, value = _next_part(rest)
-        if not size or key in found:
+        if not size or key in parts:
             raise ValueError(f"a format is a colour, a marker and a line style such as 'g--' or 'ro', got {text!r}")
-        found[key], rest = value, rest[size:]
-    marked = found.get("marker", "")
-    return Format(found.get("color"), found.get("style", "" if marked else "solid"), marked)
+        parts[key], rest = value, rest[size:]
+    marked = parts.get("marker", "")
+    return Format(parts.get("color"), parts.get("style", "" if marked else "solid"), marked)
 
 
 def _next_part(rest: str) -> tuple[int, str, str]:
@@ -124,34 +124,34 @@ def number(name: str, value: object, *, least: float = 0.0, most: float = math.i
     Raises:
         ValueError: It is none.
     """
-    found = float(value) if isinstance(value, int | float | np.number) and not isinstance(value, bool) else math.nan
-    if math.isfinite(found) and least <= found <= most:
-        return found
+    decimal = float(value) if isinstance(value, int | float | np.number) and not isinstance(value, bool) else math.nan
+    if math.isfinite(decimal) and least <= decimal <= most:
+        return decimal
     bound = f"from {least:g} to {most:g}" if most < math.inf else f"of at least {least:g}"
     raise ValueError(f"{name} is a number{'' if least == -math.inf else ' ' + bound}, got {value!r}")
 
 
-def known_as(caller: str, given: Mapping[str, T], names: Mapping[str, str]) -> dict[str, T]:
+def known_as(caller: str, options: Mapping[str, T], names: Mapping[str, str]) -> dict[str, T]:
     """Return keyword arguments of matplotlib under our names.
 
     ``label`` is accepted and has no effect, as in IR-SIM.
 
     Args:
         caller: Function that received them.
-        given: The keyword arguments; None counts as not given.
+        options: The keyword arguments; None counts as not given.
         names: Our name for each name of matplotlib.
 
     Raises:
         TypeError: One is not among them, or two mean the same.
     """
-    found: dict[str, T] = {}
-    for name, value in given.items():
+    values: dict[str, T] = {}
+    for name, value in options.items():
         if name == "label":
             continue
         if name not in names:
             raise TypeError(f"{caller}() takes no {name}={value!r}; it takes {', '.join(names)}")
-        if names[name] in found:
+        if names[name] in values:
             raise TypeError(f"{caller}() was given '{name}' twice, under two names")
         if value is not None:
-            found[names[name]] = value
-    return found
+            values[names[name]] = value
+    return values

@@ -26,12 +26,12 @@ def rows(points: ArrayLike, *, columns: bool = False, least: int = FEWEST) -> Fl
     Raises:
         ValueError: These are no points.
     """
-    found = _table(points, columns)
-    if found is None or (len(found) and not least <= found.shape[1] <= MOST):
+    table = _table(points, columns)
+    if table is None or (len(table) and not least <= table.shape[1] <= MOST):
         names = ", ".join(("x", "y", "u", "v")[:least])
         shape = f"shape {np.shape(points)}" if isinstance(points, np.ndarray) else repr(points)[:60]
         raise ValueError(f"points are rows ({names}) or a list of points, got {shape}")
-    return found if len(found) else np.zeros((0, least))
+    return table if len(table) else np.zeros((0, least))
 
 
 def _table(points: ArrayLike, columns: bool) -> Floats | None:
@@ -75,7 +75,7 @@ def finite(points: Floats) -> Floats:
 
 def runs(points: Floats) -> list[Floats]:
     """Return the pieces of a line between points that are not finite, each of shape ``(n, 2)``."""
-    known = _are_near(points)
+    near = _are_near(points)
     # Where ``known`` changes: first row and end of each run, in turn.
-    edges = np.flatnonzero(np.diff(np.concatenate([[0], known.astype(np.int8), [0]])))
+    edges = np.flatnonzero(np.diff(np.concatenate([[0], near.astype(np.int8), [0]])))
     return [points[first:end, :2].copy() for first, end in edges.reshape(-1, 2).tolist()]

@@ -95,10 +95,10 @@ def points(
     """
     form = looks.marker(marker) or "o"
     large, thick = looks.number("size", size), looks.number("width", width)
-    inks = [StrokeInk.of(one, alpha, layer) for one in _colors(color, len(rows))]
+    inks = [StrokeInk.of(hue, alpha, layer) for hue in _colors(color, len(rows))]
     if len(inks) == 1:
         return forms(rows, inks[0], form, large, thick)
-    numbers = {ink: np.array([one == ink for one in inks]) for ink in dict.fromkeys(inks)}
+    numbers = {ink: np.array([other == ink for other in inks]) for ink in dict.fromkeys(inks)}
     return [mark for ink, chosen in numbers.items() for mark in forms(rows[chosen], ink, form, large, thick)]
 
 
@@ -115,15 +115,15 @@ def area(corners: Floats, edge: StrokeInk, fill: Color | None, style: str, width
     Raises:
         ValueError: There are fewer than three corners, or there is no such colour or width.
     """
-    found, thick = places.finite(corners), looks.number("width", width)
+    polygon, thick = places.finite(corners), looks.number("width", width)
     inside = "none" if fill is None else looks.color(fill)
-    if 0 < len(found) < 3:
-        raise ValueError(f"a polygon has at least 3 corners, got {len(found)}")
-    if not len(found):
+    if 0 < len(polygon) < 3:
+        raise ValueError(f"a polygon has at least 3 corners, got {len(polygon)}")
+    if not len(polygon):
         return []
     thick = thick if style and edge.is_seen else 0.0
     filled = "" if inside.lower() == "none" else inside
-    return [LineMark(found, edge.color, edge.alpha, thick, style or "solid", True, filled, edge.layer)]
+    return [LineMark(polygon, edge.color, edge.alpha, thick, style or "solid", True, filled, edge.layer)]
 
 
 def _colors(color: Colors | None, count: int) -> Sequence[Color]:

@@ -89,12 +89,12 @@ class MediaWriter:
         named = {} if ani_name is None else {"ani_name": ani_name}
         return self._finish(ending_time, {**film_options(film), **named})
 
-    def _finish(self, ending_time: float, given: Mapping[str, object]) -> Path | None:
-        options = {**self._options, **given}
+    def _finish(self, ending_time: float, ending: Mapping[str, object]) -> Path | None:
+        options = {**self._options, **ending}
         name, film = options.get("ani_name"), None
         if self._unsaved and (self._save_at_end or name is not None):
             film = self.save_animation(film_file(options, self._session.simulation.scenario.name))
-        elif "ani_name" in given and not self._record:
+        elif "ani_name" in ending and not self._record:
             warn_caller("no film was written: load(..., record=True) keeps frames", NoEffectWarning)
         self._viewer.wait(ending_time)
         self.free()

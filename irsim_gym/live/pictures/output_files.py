@@ -23,14 +23,14 @@ def target(path: str | Path | None, name: str) -> Path:
     return chosen
 
 
-def with_suffix(path: Path, known: tuple[str, ...], default: str) -> Path:
+def with_suffix(path: Path, suffixes: tuple[str, ...], default: str) -> Path:
     """Return the path with a suffix; a point in a name such as ``run-0.5`` begins none."""
-    if not path.stem.strip(" .") or path.name.lower() in known:
+    if not path.stem.strip(" .") or path.name.lower() in suffixes:
         raise ValueError(f"a file needs a name before its suffix, such as 'world.{default}', got '{path.name}'")
-    if path.suffix.lower() in known:
+    if path.suffix.lower() in suffixes:
         return path
     if path.suffix and not path.suffix[1:].isdigit():
-        raise ValueError(f"the file's name must end in {', '.join(known)}, got '{path.name}'")
+        raise ValueError(f"the file's name must end in {', '.join(suffixes)}, got '{path.name}'")
     return path.with_name(f"{path.name}.{default}")
 
 

@@ -59,8 +59,8 @@ class PathPlanner:
         return points if len(points) else None
 
     def _own_radius(self) -> float:
-        found = robots(self._session.simulation)
-        first = int(found[0]) if len(found) else self._session.roster.index(self._population.robot.name)
+        numbers = robots(self._session.simulation)
+        first = int(numbers[0]) if len(numbers) else self._session.roster.index(self._population.robot.name)
         return float(self._session.simulation.model.reach[0, first])
 
     def get_map(self, resolution: float | None = None, *, bodies: bool = False) -> GridMap:

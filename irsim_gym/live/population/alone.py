@@ -20,7 +20,7 @@ def move(simulation: Simulation, body: int, command: Floats | None) -> None:
     model, state = simulation.model, simulation.state
     if not model.movable[body]:
         return
-    driven, kept = bool(model.driven[body]), state.command[0, body].copy()
+    driven, before = bool(model.driven[body]), state.command[0, body].copy()
     if command is not None:
         state.command[0, body] = moves.commands(simulation, {body: command})[1][0]
         model.driven[body] = True  # as for the commands of a step
@@ -29,7 +29,7 @@ def move(simulation: Simulation, body: int, command: Floats | None) -> None:
             lambda shard: step.advance_one(simulation.parts, model, state, shard, body, decides=command is None)
         )
     finally:
-        model.driven[body], state.command[0, body] = driven, kept
+        model.driven[body], state.command[0, body] = driven, before
 
 
 def sense(simulation: Simulation) -> None:

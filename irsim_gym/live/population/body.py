@@ -166,8 +166,8 @@ class Body(IrSimReadings):
         model = self._model
         fields = (model.velocity_min, model.velocity_max, model.acceleration_limit)
         least, greatest, changes = map(self._limit, fields)
-        limits, kept = (least, greatest, changes), self._session.properties.setdefault(self._name, {})
-        return body_info.robot_info(self, limits, self.get_init_Gh(), kept, columns=self._columns)
+        limits, notes = (least, greatest, changes), self._session.properties.setdefault(self._name, {})
+        return body_info.robot_info(self, limits, self.get_init_Gh(), notes, columns=self._columns)
 
     @property
     def obstacle_info(self) -> body_info.ObstacleInfo:
@@ -356,8 +356,8 @@ class Body(IrSimReadings):
 
 def _numbers(values: Sequence[float] | Floats, least: int, names: Sequence[str], what: str) -> Floats:
     """Return four numbers, 0 for those that are not given."""
-    given = row_of(values)
-    if not least <= given.size <= len(names) or not np.isfinite(given).all():
+    row = row_of(values)
+    if not least <= row.size <= len(names) or not np.isfinite(row).all():
         count = f"{least}" if least == len(names) else f"{least} to {len(names)}"
         raise ValueError(f"{what} has {count} finite numbers ({', '.join(names)}), got {values!r}")
-    return np.pad(given, (0, 4 - given.size))
+    return np.pad(row, (0, 4 - row.size))

@@ -35,26 +35,26 @@ def rebuild(old: Simulation, scenario: Scenario) -> Simulation:
     """
     new = compile(scenario, check_starts=False)
     before = {name: b for b, name in enumerate(old.parts.names)}
-    here = np.array([b for b, name in enumerate(new.parts.names) if name in before], np.int64)
-    there = np.array([before[new.parts.names[b]] for b in here], np.int64)
+    common = np.array([b for b, name in enumerate(new.parts.names) if name in before], np.int64)
+    there = np.array([before[new.parts.names[b]] for b in common], np.int64)
     make_room(new.model, old.model.waypoints.shape[2])
-    added = np.setdiff1d(new.parts.everyone, here)
+    added = np.setdiff1d(new.parts.everyone, common)
     body_buckets.empty(new.model, new.state, Shard(np.zeros(1, np.int64)))
-    _carry(old, new, here, there)
+    _carry(old, new, common, there)
     if len(added):
         # Both write fields of all members of a kind: what the remaining bodies had is copied over them once more.
         _draw(new, added)
         _begin(new, added)
         random = new.state.random.copy()
-        _carry(old, new, here, there)
+        _carry(old, new, common, there)
         new.state.random[:] = random
     if len(new.parts.measured):
         body_measures.measure(np.zeros(1, np.int64), new.parts.measured, new.model)
-    _look(old, new, here, there)
+    _look(old, new, common, there)
     return new
 
 
-def _carry(old: Simulation, new: Simulation, here: Ints, there: Ints) -> None:
+def _carry(old: Simulation, new: Simulation, common: Ints, there: Ints) -> None:
     """Copy the state of remaining bodies, and of the world, from the old simulation."""
     for name, declared in (*Model.columns().items(), *State.columns().items()):
         sources, targets = (old.model, new.model) if name in Model.columns() else (old.state, new.state)
@@ -66,27 +66,27 @@ def _carry(old: Simulation, new: Simulation, here: Ints, there: Ints) -> None:
             source, target = np.moveaxis(source, axis, 0), np.moveaxis(target, axis, 0)
             # Other axes may differ in length, as the number of goals does: what both have is copied.
             shared = tuple(slice(0, min(lengths)) for lengths in zip(source.shape[1:], target.shape[1:], strict=True))
-            target[(here, *shared)] = source[(there, *shared)]
+            target[(common, *shared)] = source[(there, *shared)]
     for table, start, count in (
         ("local_segments", "segment_start", "segment_count"),
         ("local_discs", "disc_start", "disc_count"),
     ):
-        for b, was in zip(here, there, strict=True):
+        for b, was in zip(common, there, strict=True):
             rows = int(getattr(old.model, count)[0, was])
             first, target = int(getattr(old.model, start)[was]), int(getattr(new.model, start)[b])
             getattr(new.model, table)[:, target : target + rows] = getattr(old.model, table)[:, first : first + rows]
     if old.parts.pushing is not None and new.parts.pushing is not None:
         for name in ("drive", "felt"):
-            getattr(new.parts.pushing, name)[0, here] = getattr(old.parts.pushing, name)[0, there]
+            getattr(new.parts.pushing, name)[0, common] = getattr(old.parts.pushing, name)[0, there]
     _carry_map(old, new)
     _carry_fog(old, new)
-    _carry_memories(old, new, dict(zip(here.tolist(), there.tolist(), strict=True)))
-    new.state.placed[0, here] = True
+    _carry_memories(old, new, dict(zip(common.tolist(), there.tolist(), strict=True)))
+    new.state.placed[0, common] = True
     new.parts.goal_bodies = np.flatnonzero(new.model.has_goal)
     new.parts.loop_returns = np.concatenate(
-        [np.setdiff1d(new.parts.loop_returns, here), here[np.isin(there, old.parts.loop_returns)]]
+        [np.setdiff1d(new.parts.loop_returns, common), common[np.isin(there, old.parts.loop_returns)]]
     )
-    new.place(here)
+    new.place(common)
 
 
 def _carry_map(old: Simulation, new: Simulation) -> None:
@@ -151,14 +151,14 @@ def _begin(new: Simulation, added: Ints) -> None:
     arrival.measure_distance(shard.worlds, parts.goal_bodies, state)
 
 
-def _look(old: Simulation, new: Simulation, here: Ints, there: Ints) -> None:
+def _look(old: Simulation, new: Simulation, common: Ints, there: Ints) -> None:
     """Update contacts and readings. The next step updates which bodies are held in place."""
     shard, state = Shard(np.zeros(1, np.int64)), new.state
-    now_at = {int(was): int(b) for b, was in zip(here, there, strict=True)}
+    now_at = {int(was): int(b) for b, was in zip(common, there, strict=True)}
     new.model.static_known[:] = False
     contact.find_static(new.parts.fixed, new.model, state, shard)
     state.collided[0], state.hit[0] = new.model.static_partner[0] >= 0, new.model.static_partner[0]
-    for b, was in zip(here, there, strict=True):
+    for b, was in zip(common, there, strict=True):
         partner = now_at.get(int(old.state.hit[0, was]), -1)
         state.collided[0, b], state.hit[0, b] = bool(old.state.collided[0, was]), partner
     sense(new.parts, new.model, state, shard)

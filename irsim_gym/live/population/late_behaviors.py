@@ -59,8 +59,8 @@ def _import(name: str, folders: list[Path]) -> None:
     """Import a module. If Python does not find it, search these folders."""
     top = name.split(".")[0]
     if top not in sys.modules and importlib.util.find_spec(top) is None:
-        found = (folder for folder in folders if (folder / f"{top}.py").is_file() or (folder / top).is_dir())
-        folder = next(found, None)
+        matches = (folder for folder in folders if (folder / f"{top}.py").is_file() or (folder / top).is_dir())
+        folder = next(matches, None)
         if folder is None:
             where = ", ".join(dict.fromkeys(map(str, folders)))
             raise ModuleNotFoundError(

@@ -147,8 +147,8 @@ class Population:
             return self[position]
         robots = self.robots
         if not -len(robots) <= position < len(robots):
-            known = ", ".join(f"{k} '{robot.name}'" for k, robot in enumerate(robots)) or "none"
-            raise UnknownNameError(f"no robot number {position}; robots in the order of robot_list: {known}")
+            listed = ", ".join(f"{k} '{robot.name}'" for k, robot in enumerate(robots)) or "none"
+            raise UnknownNameError(f"no robot number {position}; robots in the order of robot_list: {listed}")
         return robots[position]
 
     def add(self, /, role: Literal["robot", "obstacle"] = "obstacle", **entry: object) -> Body:

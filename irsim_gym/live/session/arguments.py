@@ -47,7 +47,7 @@ def read_arguments(render_mode: str | None, others: Mapping[str, Any]) -> LoadAr
     mode = _render_mode(render_mode, others)
     for name, value in others.items():
         harmless, advice = hints.LOAD.get(name, ((), ""))
-        if advice and not any(value is one or (isinstance(one, str) and value == one) for one in harmless):
+        if advice and not any(value is word or (isinstance(word, str) and value == word) for word in harmless):
             raise TypeError(f"load() takes no {name}={value!r}: {advice}")
     if others.get("full") and mode == "human":
         raise TypeError(f"load() takes no full=True: {hints.LARGE}")
@@ -67,20 +67,20 @@ def _render_mode(render_mode: str | None, others: Mapping[str, object]) -> str |
     """
     hidden = next((name for name, no in (("display", False), ("headless", True)) if others.get(name) is no), None)
     shown = others.get("display") is True and not others.get("disable_all_plot")  # the latter wins, as in IR-SIM
-    wanted = render_mode == "human" or shown
-    if wanted and hidden is not None:
+    with_window = render_mode == "human" or shown
+    if with_window and hidden is not None:
         raise TypeError(f"load() takes no {hidden}={others[hidden]!r} where a window is asked for as well")
-    return "human" if wanted else render_mode
+    return "human" if with_window else render_mode
 
 
 def _level(level: object) -> int | str | None:
     if level is None or isinstance(level, int):
         return level
-    known = logging.getLevelNamesMapping()
+    levels = logging.getLevelNamesMapping()
     name = {"SUCCESS": "INFO", "TRACE": "DEBUG"}.get(str(level).upper(), str(level).upper())
-    if name in known:
+    if name in levels:
         return name
-    raise ValueError(f"log_level must be one of {', '.join(known)}, got {level!r}{suggestion(name, known)}")
+    raise ValueError(f"log_level must be one of {', '.join(levels)}, got {level!r}{suggestion(name, levels)}")
 
 
 def drawing_options(
@@ -110,12 +110,12 @@ def figure_options(others: Mapping[str, object]) -> dict[str, object]:
 
 def film_options(others: Mapping[str, object]) -> dict[str, object]:
     """Return the known options of a film."""
-    known = (*FILM_KEYS, *NO_EFFECT_ON_FILMS)
-    _warn_of_unknown("end()", others, known)
+    names = (*FILM_KEYS, *NO_EFFECT_ON_FILMS)
+    _warn_of_unknown("end()", others, names)
     return {name: value for name, value in others.items() if name in FILM_KEYS}
 
 
-def _warn_of_unknown(what: str, others: Mapping[str, object], known: Iterable[str]) -> None:
+def _warn_of_unknown(what: str, others: Mapping[str, object], names: Iterable[str]) -> None:
     for name in others:
-        if name not in known:
-            warn_caller(f"{what} knows no {name}, it changes nothing{suggestion(name, known)}", NoEffectWarning)
+        if name not in names:
+            warn_caller(f"{what} knows no {name}, it changes nothing{suggestion(name, names)}", NoEffectWarning)

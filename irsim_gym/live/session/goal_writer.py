@@ -24,12 +24,12 @@ def read_goals(goal: ArrayLike | None) -> Floats:
     if goal is None:
         return np.zeros((0, 3))
     try:
-        given = [np.asarray(item, np.float64).reshape(-1) for item in (goal if _is_several(goal) else [goal])]
+        rows = [np.asarray(item, np.float64).reshape(-1) for item in (goal if _is_several(goal) else [goal])]
     except (TypeError, ValueError):
-        given = [np.zeros(0)]
-    if any(row.size not in (2, 3) or not np.isfinite(row).all() for row in given):
+        rows = [np.zeros(0)]
+    if any(row.size not in (2, 3) or not np.isfinite(row).all() for row in rows):
         raise ValueError(f"a goal is [x, y] or [x, y, heading], or a list of such, got {goal!r}")
-    return np.array([[row[0], row[1], row[2] if row.size > 2 else np.nan] for row in given]).reshape(-1, 3)
+    return np.array([[row[0], row[1], row[2] if row.size > 2 else np.nan] for row in rows]).reshape(-1, 3)
 
 
 def _is_several(goal: ArrayLike) -> TypeGuard[Sequence[ArrayLike]]:
@@ -81,23 +81,23 @@ class GoalWriter:
 
     def follow(self, simulation: Simulation) -> None:
         """Forget removed bodies, so that others may use their names."""
-        self._at_start = {name: given for name, given in self._at_start.items() if name in simulation.parts.names}
+        self._at_start = {name: goals for name, goals in self._at_start.items() if name in simulation.parts.names}
 
     def bring_back(self, simulation: Simulation) -> None:
         """Restore the goals of the start."""
-        for name, given in self._at_start.items():
-            _put(simulation, simulation.body(name), given)
+        for name, goals in self._at_start.items():
+            _put(simulation, simulation.body(name), goals)
         self._at_start.clear()
 
 
-def _put(simulation: Simulation, body: int, given: BodyGoals) -> None:
-    model, parts, count = simulation.model, simulation.parts, len(given.rows)
+def _put(simulation: Simulation, body: int, goals: BodyGoals) -> None:
+    model, parts, count = simulation.model, simulation.parts, len(goals.rows)
     make_room(model, count)
-    model.waypoints[0, body, :count] = given.rows
+    model.waypoints[0, body, :count] = goals.rows
     model.waypoint_count[0, body] = count
-    model.has_goal[body] = given.has_goal
+    model.has_goal[body] = goals.has_goal
     others = parts.loop_returns[parts.loop_returns != body]
-    parts.loop_returns = np.append(others, body) if given.returns else others
+    parts.loop_returns = np.append(others, body) if goals.returns else others
     parts.goal_bodies = np.flatnonzero(model.has_goal)
     simulation.rewire()
 

@@ -20,11 +20,11 @@ TAKEN = ("full", "ani_kwargs", "log_level", "step_mode", "world_name")
 LARGE = "the window is as large as the picture: plot: {figure_pixels: [1000, 800]}"
 
 
-def unsettable(name: str, known: Iterable[str]) -> str:
+def unsettable(name: str, names: Iterable[str]) -> str:
     """Return what to do instead of ``body.name = value``."""
     setter = f"set_{name}"
-    if setter in known:
+    if setter in names:
         return f"a body's {name} cannot be assigned: use {setter}(...)"
-    if name in known:
+    if name in names:
         return f"a body's {name} cannot be assigned; set_state, set_velocity and set_goal change a body"
-    return missing("a body", name, advice("body", "script"), known)
+    return missing("a body", name, advice("body", "script"), names)

@@ -39,9 +39,9 @@ class LevelSource:
     """
 
     def __init__(
-        self, source: ScenarioSource | None, seed: int | None, *, strict: bool, asked: LoadArguments, columns: bool
+        self, source: ScenarioSource | None, seed: int | None, *, strict: bool, arguments: LoadArguments, columns: bool
     ) -> None:
-        self._strict, self._asked = strict, asked
+        self._strict, self._asked = strict, arguments
         self._source: ScenarioSource = _beside_the_script() if source is None else source
         self._seed, self._episode = _level(0 if seed is None else seed), 0
         self.session = Session(self._read(self._source), columns=columns)
@@ -80,8 +80,8 @@ class LevelSource:
 
     def _warn_of_starts(self) -> None:
         scenario, simulation = self.session.scenario, self.session.simulation
-        found = find_blocked_starts(scenario, simulation.parts, simulation.model, simulation.state)
-        notes.warn_of_starts(scenario, found)
+        blocked = find_blocked_starts(scenario, simulation.parts, simulation.model, simulation.state)
+        notes.warn_of_starts(scenario, blocked)
 
 
 def _beside_the_script() -> Path:

@@ -53,14 +53,14 @@ def scatter(
         # Bodies that are still to be moved are not in the way of those that were.
         model.present[0, chosen] = False
         for b in chosen:
-            one = np.array([b], np.int64)
+            member = np.array([b], np.int64)
             model.present[0, b] = present[b]
             for _ in range(SCATTER_TRIES):
                 state.pose[0, b] = simulation.uniform(low, high)
-                simulation.place(one)
+                simulation.place(member)
                 if not apart:
                     break
-                simulation.clearance(shard, one, distance)
+                simulation.clearance(shard, member, distance)
                 if distance[0, 0] > 0.0:
                     break
             else:

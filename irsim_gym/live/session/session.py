@@ -49,7 +49,7 @@ class Session:
         self.roster.follow(simulation)
         self.goals.follow(simulation)
         self.track.follow(simulation)
-        self.properties = {name: own for name, own in self.properties.items() if name in simulation.parts.names}
+        self.properties = {name: values for name, values in self.properties.items() if name in simulation.parts.names}
 
     def begin(self, seed: int, episode: int) -> None:
         """Draw a level and begin it."""

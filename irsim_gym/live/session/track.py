@@ -39,11 +39,11 @@ class Track:
     def _forget(self, gone: Set[str]) -> None:
         """Keep the poses of removed bodies without a name, so that others may use it."""
         names: tuple[str, ...] = ()
-        kept: tuple[str, ...] = ()
-        for i, (step, here, poses) in enumerate(self._rows):
-            if here is not names:
-                names, kept = here, tuple(GONE if name in gone else name for name in here)
-            self._rows[i] = step, kept, poses
+        left_names: tuple[str, ...] = ()
+        for i, (step, row_names, poses) in enumerate(self._rows):
+            if row_names is not names:
+                names, left_names = row_names, tuple(GONE if name in gone else name for name in row_names)
+            self._rows[i] = step, left_names, poses
 
     def states_of(self, name: str) -> Floats:
         """Return poses and steering angles of a body [m, m, rad, rad], shape ``(n, 4)``.
@@ -53,9 +53,9 @@ class Track:
         poses: list[Floats] = []
         names: tuple[str, ...] = ()
         b = -1
-        for _, here, rows in self._rows:
-            if here is not names:
-                names, b = here, here.index(name) if name in here else -1
+        for _, row_names, rows in self._rows:
+            if row_names is not names:
+                names, b = row_names, row_names.index(name) if name in row_names else -1
             if b >= 0:
                 poses.append(rows[b])
         return np.array(poses).reshape(-1, 4)
@@ -77,11 +77,11 @@ class Track:
             first: Number of notes to skip.
             names: Names of the bodies, in the order of the poses. Poses of a body that did not exist are NaN.
         """
-        for step, here, rows in self._rows[first:]:
-            if here is names:
+        for step, row_names, rows in self._rows[first:]:
+            if row_names is names:
                 yield step, rows[:, :3].copy()
                 continue
-            places = {name: b for b, name in enumerate(here)}
+            places = {name: b for b, name in enumerate(row_names)}
             nowhere = np.full(3, np.nan)
             here_now = [rows[places[name], :3] if name in places else nowhere for name in names]
             yield step, np.array(here_now).reshape(-1, 3)

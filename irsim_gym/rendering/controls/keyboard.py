@@ -64,19 +64,19 @@ class Keyboard:
         Returns:
             Commands to the world, values of ``COMMANDS``, in order.
         """
-        asked = []
+        commands = []
         now = time.perf_counter()
         for stroke in self._source.strokes():
             if not self._held.take(stroke, now):
                 continue
             if stroke.key in COMMANDS and not stroke.alt:
-                asked.append(COMMANDS[stroke.key])
+                commands.append(COMMANDS[stroke.key])
             elif drives:
                 # From the first key of an axis on, its initial speed counts no more.
                 self._initial.update({way: 0.0 for way, keys in AXES.items() if stroke.key in keys})
                 self._set(stroke, turns)
         self._held.settle(now)
-        return asked
+        return commands
 
     def _set(self, stroke: Stroke, turns: bool) -> None:
         """Select a robot, or change a maximum speed."""

@@ -294,9 +294,9 @@ def thinned(points: Floats, apart: float) -> Floats:
     if len(points) < 3:
         return points
     along = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(points, axis=0).T))])
-    kept = np.concatenate([[True], np.diff(np.floor(along / apart)) > 0])
-    kept[-1] = True
-    return np.asarray(points[kept], np.float64)
+    is_drawn = np.concatenate([[True], np.diff(np.floor(along / apart)) > 0])
+    is_drawn[-1] = True
+    return np.asarray(points[is_drawn], np.float64)
 
 
 def _outline(view: DrawnBody) -> Path:

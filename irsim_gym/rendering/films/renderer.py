@@ -137,14 +137,14 @@ class Renderer:
         Raises:
             ValueError: If the numbers of statuses and worlds differ.
         """
-        chosen, given = np.array(worlds, np.int64), list(statuses) or [""] * len(worlds)
-        if len(given) != len(chosen):
-            raise ValueError(f"as many statuses as worlds: {len(chosen)}, got {len(given)}")
+        chosen, texts = np.array(worlds, np.int64), list(statuses) or [""] * len(worlds)
+        if len(texts) != len(chosen):
+            raise ValueError(f"as many statuses as worlds: {len(chosen)}, got {len(texts)}")
         state, reader = self._drawn.state, self._reader
         for world in dict.fromkeys(chosen.tolist()):
             self.trails.record(np.array([world]), state.step[[world]], state.pose[[world]])
         overlays = [reader.overlay(world) for world in chosen.tolist()]
-        ready = [status or reader.status(world) for world, status in zip(chosen.tolist(), given, strict=True)]
+        ready = [status or reader.status(world) for world, status in zip(chosen.tolist(), texts, strict=True)]
         painter = self._painter_for(min((mark.layer for overlay in overlays for mark in overlay.marks), default=TOP))
         return painter.draw(chosen, ready, [self.seen(world) for world in chosen.tolist()], overlays)
 

@@ -137,15 +137,15 @@ class Head:
         words = f"{time:.1f} s"
         width = 0.0 if self._titled else self._width(words)
         key = title, status, width
-        found = self._known.get(key)
-        if found is None:
+        look = self._known.get(key)
+        if look is None:
             if len(self._known) >= REMEMBERED_HEADS:
                 self._known.clear()
             parts, right = ([self._title(title)], np.nan) if self._titled else self._line(*key)
             ink, coloured = ([mask for text in parts if text.coloured is flag for mask in self._masks_of(text)]
                              for flag in (False, True))  # fmt: skip
-            found = self._known[key] = ink, coloured, right
-        ink, coloured, right = found
+            look = self._known[key] = ink, coloured, right
+        ink, coloured, right = look
         if np.isnan(right):
             return ink, coloured
         return ink + self._letters(words, right - width), coloured

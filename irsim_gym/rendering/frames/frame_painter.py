@@ -134,11 +134,11 @@ class FramePainter:
         state, model = self._state, self._model
         tables = state.segments[world, self._segment_rows], state.discs[world, self._disc_rows]
         parts = state.pose[world, self._fixed], *tables  # poses too: images turn even if outlines do not
-        here = model.present[world, self._fixed]
+        present = model.present[world, self._fixed]
         squares = model.map_squares[world % len(model.map_squares), 0]
         drawn = b"" if self.is_rigid else np.packbits(squares == 0).tobytes()
         counts = (table[world % len(table), self._fixed] for table in (model.segment_count, model.disc_count))
-        return layout, b"|".join([here.tobytes(), drawn, *(part.tobytes() for part in (*counts, *parts))])
+        return layout, b"|".join([present.tobytes(), drawn, *(part.tobytes() for part in (*counts, *parts))])
 
     def known_backdrop(self, key: tuple[Layout, bytes]) -> Bytes | None:
         """Return a cached backdrop; None without one."""
@@ -153,13 +153,13 @@ class FramePainter:
 
     def look(self, layouts: Sequence[Layout]) -> records.Look:
         """Return the views of the worlds for the kernels."""
-        known = self._looks
-        if len(known) > REMEMBERED_LOOKS:
-            known.clear()
+        looks = self._looks
+        if len(looks) > REMEMBERED_LOOKS:
+            looks.clear()
         for layout in dict.fromkeys(layouts):
-            if layout not in known:
-                known[layout] = look_from(layout), self._boxes(layout)
-        places = [known[layout] for layout in layouts]
+            if layout not in looks:
+                looks[layout] = look_from(layout), self._boxes(layout)
+        places = [looks[layout] for layout in layouts]
         return records.Look(
             views=np.array([view for view, _ in places]),
             boxes=np.array([boxes for _, boxes in places]),
@@ -185,8 +185,8 @@ class FramePainter:
         first = 0
         for group, row in zip(groups, rows, strict=True):
             if "radial_velocity" in group.arrays:
-                found = group.arrays["radial_velocity"][worlds].reshape(row.shape)
-                speeds[:, first : first + row.shape[1]] = found
+                radial = group.arrays["radial_velocity"][worlds].reshape(row.shape)
+                speeds[:, first : first + row.shape[1]] = radial
             first += row.shape[1]
         return records.RasterSource(
             self.plan.scans,
@@ -215,15 +215,15 @@ class FramePainter:
 
     def card(self, layout: Layout, scratch: records.Scratch) -> Bytes:
         """Return the picture of an empty world, including its map if all levels share it."""
-        known = self._cards.get(layout)
-        if known is None:
-            known = np.empty((layout.height, layout.width, 3), np.uint8)
-            self._card.draw(known, scratch.sheet, layout)
+        card = self._cards.get(layout)
+        if card is None:
+            card = np.empty((layout.height, layout.width, 3), np.uint8)
+            self._card.draw(card, scratch.sheet, layout)
             if self.is_rigid:
-                self.paint_map(known, 0, layout)
+                self.paint_map(card, 0, layout)
             self._cards.clear()
-            self._cards[layout] = known
-        return known
+            self._cards[layout] = card
+        return card
 
     def paint_map(self, picture: Bytes, world: int, layout: Layout) -> None:
         """Paint a world's map over a picture."""
@@ -300,10 +300,10 @@ class _Job:
         for f in frames.tolist():
             layout = self._layouts[f]
             key = painter.backdrop_key(int(self._worlds[f]), layout)
-            known = painter.known_backdrop(key)
-            if known is None:
-                missing[f], known = key, self._cards[layout]
-            np.copyto(self._pictures[f], known)
+            backdrop = painter.known_backdrop(key)
+            if backdrop is None:
+                missing[f], backdrop = key, self._cards[layout]
+            np.copyto(self._pictures[f], backdrop)
         if missing:
             for f in missing if not painter.is_rigid else ():
                 painter.paint_map(self._pictures[f], int(self._worlds[f]), self._layouts[f])

@@ -69,17 +69,17 @@ class Masks:
     def word(self, text: str, size: float, *, bold: bool = False) -> Word:
         """Return a text of a size [pixel] as a mask."""
         key = (text, size, bold)
-        known = self._words.get(key)
-        if known is None:
-            known = self._words[key] = self._make(text, size, bold)
-        return known
+        mask = self._words.get(key)
+        if mask is None:
+            mask = self._words[key] = self._make(text, size, bold)
+        return mask
 
     def _make(self, text: str, size: float, bold: bool) -> Word:
-        own = fonts.usual(bold=bold)
-        _, low_top, _, low_foot = self._font(own, size).getbbox("lp", anchor="ls")
+        usual_font = fonts.usual(bold=bold)
+        _, low_top, _, low_foot = self._font(usual_font, size).getbbox("lp", anchor="ls")
         written = ImageFont.Layout.RAQM if _runs_left(text) and features.check("raqm") else ImageFont.Layout.BASIC
         placed, advance = list[tuple[float, str, ImageFont.FreeTypeFont]](), 0.0
-        for part, file in fonts.runs(text, bold=bold) or (("", own),):
+        for part, file in fonts.runs(text, bold=bold) or (("", usual_font),):
             font = self._font(file, size, written)
             placed.append((advance, part, font))
             advance += float(font.getlength(part))

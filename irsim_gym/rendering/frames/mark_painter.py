@@ -120,10 +120,10 @@ class MarkPainter:
 
 def marks_by_layer(overlay: Overlay) -> Iterator[tuple[float, list[Mark]]]:
     """Yield layers with their marks, the lowest first."""
-    found: dict[float, list[Mark]] = {}
+    marks: dict[float, list[Mark]] = {}
     for mark in overlay.marks:
-        found.setdefault(mark.layer, []).append(mark)
-    yield from sorted(found.items())
+        marks.setdefault(mark.layer, []).append(mark)
+    yield from sorted(marks.items())
 
 
 def _ink(name: str, alpha: float) -> Floats:

@@ -298,7 +298,7 @@ class Plan:
         beam = np.zeros(1, records.BEAMS)
         x, y, heading = getattr(options, "offset", None) or (0.0, 0.0, 0.0)
         span, count = float(angles[-1] - angles[0]), len(angles)
-        known = {
+        values = {
             "body": group.members[k],
             "first": first,
             "count": count,
@@ -312,7 +312,7 @@ class Plan:
             "surrounds": span > 2.0 * np.pi * (1.0 - 1.5 / max(count, 2)),
         }
         if speed is not None:
-            known |= {
+            values |= {
                 "coloured": speed.coloured,
                 "full_speed": speed.full_speed,
                 # Sizes of marks are areas in square points, as in matplotlib; half of the side is the radius.
@@ -323,7 +323,7 @@ class Plan:
                 "nearer": colour(speed.nearer_colour, 1.0),
                 "rim": colour(speed.mark_edge_colour, 1.0),
             }
-        for name, value in known.items():
+        for name, value in values.items():
             beam[name] = value
         return beam
 

@@ -32,7 +32,7 @@ class Images:
 
     def __init__(self, scenario: Scenario, scale: float) -> None:
         self.number: dict[int, int] = {}
-        made: dict[tuple[str, int, int, float], int] = {}
+        numbers: dict[tuple[str, int, int, float], int] = {}
         parts, rows = [np.zeros((0, 4), np.uint8)], np.zeros((0, 3), np.int64)
         for body, spec in enumerate(scenario.bodies):
             size = None if spec.description is None else _size(spec.shape.outline(), scale)
@@ -41,11 +41,11 @@ class Images:
             pixels = load_image(asset("images", spec.description, scenario.file))
             size = min(size[0], pixels.shape[1]), min(size[1], pixels.shape[0])
             key = (spec.description, *size, float(spec.plot.obj_alpha))
-            if key not in made:
-                made[key] = len(rows)
+            if key not in numbers:
+                numbers[key] = len(rows)
                 rows = np.vstack([rows, [[sum(map(len, parts)), *size]]])
                 parts.append(_reduced(pixels, size, key[3]))
-            self.number[body] = made[key]
+            self.number[body] = numbers[key]
         self.pixels: Bytes = np.concatenate(parts)
         self.rows: Ints = rows
 

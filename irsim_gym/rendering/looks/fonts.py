@@ -26,8 +26,8 @@ def usual(*, bold: bool) -> Path:
     Raises:
         IrsimGymError: If the font is not found.
     """
-    name, found = USUAL[bold], find_spec("matplotlib")
-    for folder in (found.submodule_search_locations or ()) if found is not None else ():
+    name, spec = USUAL[bold], find_spec("matplotlib")
+    for folder in (spec.submodule_search_locations or ()) if spec is not None else ():
         file = Path(folder) / "mpl-data" / "fonts" / "ttf" / name
         if file.is_file():
             return file
@@ -42,18 +42,18 @@ def runs(words: str, *, bold: bool = False) -> Runs:
     missing in the default font but another font has it, the whole text is not bold, since few fonts have other scripts
     in bold.
     """
-    own, plain = usual(bold=bold), usual(bold=False)
-    missing = {letter for letter in words if _is_missing(own, letter)}
+    usual_font, plain = usual(bold=bold), usual(bold=False)
+    missing = {letter for letter in words if _is_missing(usual_font, letter)}
     if bold and any(not _is_missing(plain, letter) or _installed_with(letter) for letter in missing):
         return runs(words)
     parts = list[tuple[str, Path]]()
     for letter in words:
-        font: Path | None = own
+        font: Path | None = usual_font
         if letter in missing:
             if not letter.isprintable():
                 continue
             font = _installed_with(letter)
-            letter, font = (BOX, own) if font is None else (letter, font)
+            letter, font = (BOX, usual_font) if font is None else (letter, font)
         assert font is not None
         if parts and parts[-1][1] == font:
             parts[-1] = parts[-1][0] + letter, font
@@ -64,12 +64,12 @@ def runs(words: str, *, bold: bool = False) -> Runs:
 
 def families(words: str, *, bold: bool = False) -> tuple[str, dict[str, Any]]:
     """Return the drawable form of a text, and matplotlib's arguments for it: fonts, weight, and that $ is a letter."""
-    found = runs(words, bold=bold)
-    own = {usual(bold=False), usual(bold=True)}
-    names = [_family_of(font) for _, font in found if font not in own]
-    weight = "bold" if found and found[0][1] == usual(bold=True) else "normal"
+    parts = runs(words, bold=bold)
+    usual_fonts = {usual(bold=False), usual(bold=True)}
+    names = [_family_of(font) for _, font in parts if font not in usual_fonts]
+    weight = "bold" if parts and parts[0][1] == usual(bold=True) else "normal"
     look = {"family": list(dict.fromkeys([FAMILY, *names])), "weight": weight, "parse_math": False}
-    return "".join(part for part, _ in found), look
+    return "".join(part for part, _ in parts), look
 
 
 def label(words: str) -> str:

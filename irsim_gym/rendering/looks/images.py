@@ -29,8 +29,8 @@ def _read(file: Path, changed: int) -> Bytes:
     """Read a file; ``changed``, the time of its last change, is part of the cache's key."""
     from PIL import Image
 
-    with Image.open(file) as found:
-        image = found.convert("RGBA")
+    with Image.open(file) as picture:
+        image = picture.convert("RGBA")
     share = LONGEST_SIDE / max(image.size)
     if share < 1.0:
         size = max(round(share * image.width), 1), max(round(share * image.height), 1)

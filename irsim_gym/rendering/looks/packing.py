@@ -54,8 +54,8 @@ def packed(rows: ArrayLike, unit: float, *, still: bool = True) -> dict[str, Any
         whole = whole[:1]
     absent = np.isnan(whole)
     # For each row and column, the latest row with a number, counted from 1; row 0 of ``padded`` is the 0 before.
-    known = np.where(absent, 0, np.arange(1, len(whole) + 1)[:, None])
-    latest = np.maximum.accumulate(known, axis=0)
+    numbers = np.where(absent, 0, np.arange(1, len(whole) + 1)[:, None])
+    latest = np.maximum.accumulate(numbers, axis=0)
     padded = np.vstack([np.zeros((1, whole.shape[1])), np.nan_to_num(whole)])
     held = np.take_along_axis(padded, latest, axis=0)
     steps = np.diff(held, axis=0, prepend=0.0).astype(np.int64).ravel().tolist()

@@ -172,16 +172,16 @@ class ScanStyle:
 def body_style(body: BodySpec, *, learner: bool = False) -> BodyStyle:
     """Return the style of a body; a learner shows its goal and trajectory by default."""
     plot, robot = body.plot, body.role == "robot"
-    own = str(body.color if plot.obj_color is None else plot.obj_color)
+    body_colour = str(body.color if plot.obj_color is None else plot.obj_color)
     label, arrow = _short_name(body.name, robot), _arrow(plot)
     band = plot.traj_width is not None
-    colour, alpha = faded(own, plot.obj_alpha)
-    goal_colour, goal_alpha = faded(_or_default(plot.goal_color, own), plot.goal_alpha)
+    colour, alpha = faded(body_colour, plot.obj_alpha)
+    goal_colour, goal_alpha = faded(_or_default(plot.goal_color, body_colour), plot.goal_alpha)
     arrow_colour, arrow_alpha = faded(
         _or_default(plot.arrow_color, ARROW if arrow else theme.HEADING), plot.arrow_alpha
     )
     path_colour, path_alpha = faded(
-        _or_default(plot.traj_color, own), _or_default(plot.traj_alpha, 0.5 if band else 0.85)
+        _or_default(plot.traj_color, body_colour), _or_default(plot.traj_alpha, 0.5 if band else 0.85)
     )
     field_colour, field_alpha = faded(plot.fov_color, plot.fov_alpha)
     label_colour, label_alpha = faded(plot.text_color, plot.text_alpha)
@@ -209,7 +209,7 @@ def body_style(body: BodySpec, *, learner: bool = False) -> BodyStyle:
         trajectory_alpha=path_alpha,
         trajectory_length=plot.keep_traj_length,
         trajectory_order=_or_default(plot.traj_zorder, GROUND),
-        ghost=_ghost(plot, own) if plot.show_trail else None,
+        ghost=_ghost(plot, body_colour) if plot.show_trail else None,
         ghost_shape=plot.trail_type,
         ghost_every=plot.trail_freq,
         ghost_length=plot.keep_trail_length,
@@ -245,10 +245,10 @@ def field_of_view(body: BodySpec) -> tuple[float, float] | None:
 def scan_style(sensor: object) -> ScanStyle:
     """Return the style of a sensor's scan from the sensor's options; those in ``plot`` take precedence."""
     plot: Any = getattr(sensor, "plot", None)
-    own = _or_default(getattr(plot, "color", None), getattr(sensor, "color", theme.BEAM))
+    beam_colour = _or_default(getattr(plot, "color", None), getattr(sensor, "color", theme.BEAM))
     alpha = _or_default(getattr(plot, "alpha", None), getattr(sensor, "alpha", 0.3))
     if not hasattr(plot, "velocity_color"):
-        return ScanStyle(*faded(own, alpha))
+        return ScanStyle(*faded(beam_colour, alpha))
     velocity = VelocityStyle(
         coloured=plot.velocity_color,
         rest_colour=plot.zero_velocity_color,
@@ -263,7 +263,7 @@ def scan_style(sensor: object) -> ScanStyle:
         mark_edge_colour=plot.velocity_marker_edge_color,
         mark_edge_width=plot.velocity_marker_edge_width,
     )
-    return ScanStyle(*faded(own, _or_default(alpha, 1.0 if plot.velocity_color else 0.3)), velocity)
+    return ScanStyle(*faded(beam_colour, _or_default(alpha, 1.0 if plot.velocity_color else 0.3)), velocity)
 
 
 def _or_default(value: T | None, otherwise: T) -> T:
@@ -278,10 +278,10 @@ def _arrow(plot: ObjectPlot) -> tuple[float, float] | None:
     return _or_default(plot.arrow_length, 0.4), _or_default(plot.arrow_width, 0.6)
 
 
-def _ghost(plot: ObjectPlot, own: str) -> BodyStyle:
+def _ghost(plot: ObjectPlot, colour: str) -> BodyStyle:
     """Return the style of the outlines in a body's trail."""
-    edge, edge_alpha = faded(_or_default(plot.trail_edgecolor, own), plot.trail_alpha)
-    fill, fill_alpha = faded(_or_default(plot.trail_color, own), plot.trail_alpha)
+    edge, edge_alpha = faded(_or_default(plot.trail_edgecolor, colour), plot.trail_alpha)
+    fill, fill_alpha = faded(_or_default(plot.trail_color, colour), plot.trail_alpha)
     return BodyStyle(
         colour=fill,
         edge_colour=CLEAR if edge_alpha == 0.0 else edge,

@@ -238,7 +238,7 @@ def paint_path(
 @kernel
 def _thin(points: Floats, count: int, view: Floats) -> int:
     """Transform positions [m] to pixels and drop those that are too close to each other; return how many are left."""
-    kept, along, last_x, last_y = 0, 0.0, 0.0, 0.0
+    n_kept, along, last_x, last_y = 0, 0.0, 0.0, 0.0
     for i in range(count):
         x, y = view[0] + view[2] * points[i, 0], view[1] - view[2] * points[i, 1]
         before = np.floor(along / APART)
@@ -246,10 +246,10 @@ def _thin(points: Floats, count: int, view: Floats) -> int:
             along += np.sqrt((x - last_x) * (x - last_x) + (y - last_y) * (y - last_y))
         # Keeps the first point of each stretch of APART pixels, and both ends.
         if i == 0 or i == count - 1 or count < 3 or np.floor(along / APART) > before:
-            points[kept, 0], points[kept, 1] = x, y
-            kept += 1
+            points[n_kept, 0], points[n_kept, 1] = x, y
+            n_kept += 1
         last_x, last_y = x, y
-    return kept
+    return n_kept
 
 
 @kernel

@@ -156,13 +156,13 @@ def paint_fog(
         v = min(max((view[1] - y - 0.5) * along - frame[1] / frame[3] - 0.5, 0.0), lines - 1.0)
         j = min(int(v), max(lines - 2, 0))
         m, high = min(j + 1, lines - 1), np.float32(v - j)
-        known, low, rise = -1, np.float32(0.0), np.float32(0.0)
+        column, low, rise = -1, np.float32(0.0), np.float32(0.0)
         for x in range(box[0], box[2]):
             u = min(max(first + x * across, 0.0), columns - 1.0)
             i = min(int(u), max(columns - 2, 0))
             # Between two centres the cover is linear in x: its value at the left one, and its rise to the right one.
-            if i != known:
-                k, known = min(i + 1, columns - 1), i
+            if i != column:
+                k, column = min(i + 1, columns - 1), i
                 low = strength * (soft[i, j] + (soft[i, m] - soft[i, j]) * high)
                 rise = strength * (soft[k, j] + (soft[k, m] - soft[k, j]) * high) - low
             share = int(low + rise * np.float32(u - i) + np.float32(0.5))
@@ -184,10 +184,10 @@ def soften(explored: Flags, soft: Rays) -> None:
     for i in range(columns):
         left, right = max(i - 1, 0), min(i + 1, columns - 1)
         # How many of three neighbouring cells are unexplored in the row before, in this one and in the row after.
-        here = (0 if explored[left, 0] else 1) + (0 if explored[i, 0] else 1) + (0 if explored[right, 0] else 1)
-        before = here
+        hidden = (0 if explored[left, 0] else 1) + (0 if explored[i, 0] else 1) + (0 if explored[right, 0] else 1)
+        before = hidden
         for j in range(lines):
             m = min(j + 1, lines - 1)
             after = (0 if explored[left, m] else 1) + (0 if explored[i, m] else 1) + (0 if explored[right, m] else 1)
-            soft[i, j] = np.float32(0.0 if explored[i, j] else 0.5 + (before + here + after) / 18.0)
-            before, here = here, after
+            soft[i, j] = np.float32(0.0 if explored[i, j] else 0.5 + (before + hidden + after) / 18.0)
+            before, hidden = hidden, after

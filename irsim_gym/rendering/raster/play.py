@@ -162,9 +162,9 @@ def _first_step(past: Past, w: int, item: Any) -> int:
     latest = past.latest[w]
     first = max(latest - past.noted.shape[1] + 1, 0)
     if item.length > 0:
-        kept, step = 0, latest
-        while step >= first and kept < item.length:
-            kept += 1 if _was_there(past, w, step, item) else 0
+        count, step = 0, latest
+        while step >= first and count < item.length:
+            count += 1 if _was_there(past, w, step, item) else 0
             step -= 1
         first = step + 1
     return int(first)

@@ -246,12 +246,12 @@ def sum_tile(sums: Rays, first: int, total: Any, even_odd: bool) -> Any:
     pixels are summed at a time, so that only every fourth has to wait for the sum before it.
     """
     for quarter in range(TILE // 4):
-        one = np.uint64(first) + np.uint64(4 * quarter)
-        after, third, last = one + np.uint64(1), one + np.uint64(2), one + np.uint64(3)
-        two = sums[one] + sums[after]
+        start = np.uint64(first) + np.uint64(4 * quarter)
+        after, third, last = start + np.uint64(1), start + np.uint64(2), start + np.uint64(3)
+        two = sums[start] + sums[after]
         three = two + sums[third]
         four = three + sums[last]
-        sums[one] = total + sums[one]
+        sums[start] = total + sums[start]
         sums[after] = total + two
         sums[third] = total + three
         total += four

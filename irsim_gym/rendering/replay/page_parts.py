@@ -29,7 +29,7 @@ def whole_page(parts: Mapping[str, str]) -> str:
 
 def filled(page: str, parts: Mapping[str, str]) -> str:
     """Return a page with its parts in place of ``{{name}}``."""
-    return re.sub(r"\{\{(\w+)\}\}", lambda found: parts[found[1]], page)
+    return re.sub(r"\{\{(\w+)\}\}", lambda match: parts[match[1]], page)
 
 
 def held(name: str, text: str) -> str:

@@ -263,8 +263,8 @@ class Recording:
 
 def _series(values: Iterable[Any]) -> dict[str, Any]:
     """Pack values of an agent, without missing or very large ones."""
-    found = np.array([np.nan if value is None else float(value) for value in values])
-    return packed(np.where(np.abs(found) < ENDLESS, found, np.nan), VALUE)
+    numbers = np.array([np.nan if value is None else float(value) for value in values])
+    return packed(np.where(np.abs(numbers) < ENDLESS, numbers, np.nan), VALUE)
 
 
 def _keys(rows: Iterable[Mapping[str, object]]) -> list[str]:

@@ -27,8 +27,8 @@ class SharedItems:
 
     def number(self, table: str, thing: object) -> int:
         """Return the number of an entry in a table, after adding it if it is new."""
-        known = self._tables[table]
-        return known.setdefault(json.dumps(thing), len(known))
+        rows = self._tables[table]
+        return rows.setdefault(json.dumps(thing), len(rows))
 
     def shape(self, shape: Shape) -> int:
         """Return the number of a shape."""

@@ -207,9 +207,9 @@ class FogTrack:
         items.add(vocabulary.fog(self._view))
 
 
-def _alike(one: Form, other: Form) -> bool:
+def _alike(first: Form, other: Form) -> bool:
     """Return whether two footprints have the same outline and mark."""
-    parts, others = ([*form.lines, form.discs, form.mark] for form in (one, other))
+    parts, others = ([*form.lines, form.discs, form.mark] for form in (first, other))
     return len(parts) == len(others) and all(map(np.array_equal, parts, others))
 
 

@@ -68,10 +68,10 @@ class BodyReader:
         segments = self._model.local_segments[world % len(self._model.local_segments), segment_rows]
         discs = self._model.local_discs[world % len(self._model.local_discs), disc_rows]
         key = segments.tobytes(), discs.tobytes()
-        found = self._forms.get(body)
-        if found is None or found[0] != key:
-            found = self._forms[body] = key, self._make_form(body, segments.copy(), discs.copy())
-        return found[1]
+        entry = self._forms.get(body)
+        if entry is None or entry[0] != key:
+            entry = self._forms[body] = key, self._make_form(body, segments.copy(), discs.copy())
+        return entry[1]
 
     def _make_form(self, body: int, segments: Floats, discs: Floats) -> Form:
         style, extent = self._styles[body], box(segments, discs)

@@ -73,8 +73,8 @@ class Layout:
         """
         x_min, y_min, x_max, y_max = (float(value) for value in limits)
         if not (np.isfinite([x_min, y_min, x_max, y_max]).all() and x_min < x_max and y_min < y_max):
-            wanted = "x_min, y_min, x_max, y_max with x_min < x_max and y_min < y_max"
-            raise OptionError("limits", f"the part of the world to look at must be {wanted}, got {limits}")
+            expected = "x_min, y_min, x_max, y_max with x_min < x_max and y_min < y_max"
+            raise OptionError("limits", f"the part of the world to look at must be {expected}, got {limits}")
         scale = min(self.plot_width / (x_max - x_min), self.plot_height / (y_max - y_min))
         half_x, half_y = 0.5 * self.plot_width / scale, 0.5 * self.plot_height / scale
         x, y = 0.5 * (x_min + x_max), 0.5 * (y_min + y_max)
@@ -137,9 +137,9 @@ def tick_positions(low: float, high: float, room: float) -> Floats:
     if not low < high:
         return np.zeros(0)
     # The least round step (1, 2, 5 or 10 times a power of ten) that is not below the one wanted.
-    wanted = (high - low) / max(min(room / 70.0, 12.0), 1.0)
-    magnitude = 10.0 ** np.floor(np.log10(wanted))
-    step = next(factor * magnitude for factor in (1.0, 2.0, 5.0, 10.0) if factor * magnitude >= wanted * (1 - 1e-9))
+    spacing = (high - low) / max(min(room / 70.0, 12.0), 1.0)
+    magnitude = 10.0 ** np.floor(np.log10(spacing))
+    step = next(factor * magnitude for factor in (1.0, 2.0, 5.0, 10.0) if factor * magnitude >= spacing * (1 - 1e-9))
     first = np.ceil(low / step - 1e-9)
     last = np.floor(high / step + 1e-9)
     return np.asarray(np.arange(first, last + 1.0) * step, np.float64)

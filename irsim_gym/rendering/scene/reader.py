@@ -125,8 +125,8 @@ class SceneReader:
 
     def overlay(self, world: int) -> Overlay:
         """Return the marks over a world: first those of the simulation."""
-        given, own = self._overlays.get(world, NOTHING), self._marks(world)
-        return replace(given, marks=(*own, *given.marks)) if own else given
+        overlay, marks = self._overlays.get(world, NOTHING), self._marks(world)
+        return replace(overlay, marks=(*marks, *overlay.marks)) if marks else overlay
 
     def status(self, world: int) -> str:
         """Return IR-SIM's status: arrived if all robots have arrived, else collision if one collides, else running."""

@@ -25,11 +25,11 @@ class ScanReader:
         self._shown = [k for k, body in enumerate(group.members.tolist()) if styles[body].show_sensor]
         self._members = group.members[self._shown]
         options = [group.options[k] for k in self._shown]
-        mounts = [np.asarray(getattr(one, "offset", (0.0, 0.0, 0.0)), np.float64) for one in options]
+        mounts = [np.asarray(getattr(sensor, "offset", (0.0, 0.0, 0.0)), np.float64) for sensor in options]
         self._mounts: Floats = np.array(mounts).reshape(len(options), 3)
-        self._far: Floats = np.array([one.range_max - HIT_MARGIN for one in options])[:, None]
-        self._near: Floats = np.array([getattr(one, "range_min", 0.0) for one in options])[:, None]
-        self._styles = [scan_style(one) for one in options]
+        self._far: Floats = np.array([sensor.range_max - HIT_MARGIN for sensor in options])[:, None]
+        self._near: Floats = np.array([getattr(sensor, "range_min", 0.0) for sensor in options])[:, None]
+        self._styles = [scan_style(sensor) for sensor in options]
         self._angles: Floats = group.arrays["angles"].astype(np.float64)
         span = float(self._angles[-1] - self._angles[0])
         # As in ``plan.Plan``: a full turn may leave out the beam that looks like the first one.
@@ -57,8 +57,8 @@ class ScanReader:
         ends += origins[:, None]
         hits = ranges < self._far
         valid = hits & (ranges > self._near)
-        found = arrays.get("radial_velocity")
-        speeds = np.zeros_like(ranges) if found is None else found[world, self._shown]
+        radial = arrays.get("radial_velocity")
+        speeds = np.zeros_like(ranges) if radial is None else radial[world, self._shown]
         return [
             ScanView(
                 origin=origins[k],

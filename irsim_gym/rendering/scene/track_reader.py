@@ -40,16 +40,16 @@ class TrackReader:
 
     def ghosts(self, world: int, present: Flags) -> tuple[DrawnBody, ...]:
         """Return the outlines in the trails of present bodies, the oldest first."""
-        found: list[tuple[int, int, Form, Floats]] = []
+        ghosts: list[tuple[int, int, Form, Floats]] = []
         for k, body in self._ghosts:
             if present[body]:
                 style, form = self._styles[body], self._bodies.form(world, body)
                 steps, table = self._trails.noted(world, style.ghost_every)
                 poses = _latest(table[:, k], style.ghost_length)
                 since = steps[len(steps) - len(poses) :].tolist()
-                found += [(step, body, form, pose) for step, pose in zip(since, poses, strict=True)]
-        found.sort(key=lambda item: item[0])
-        return tuple(self._bodies.ghost(body, form, pose) for _, body, form, pose in found)
+                ghosts += [(step, body, form, pose) for step, pose in zip(since, poses, strict=True)]
+        ghosts.sort(key=lambda item: item[0])
+        return tuple(self._bodies.ghost(body, form, pose) for _, body, form, pose in ghosts)
 
 
 def _latest(poses: Floats, length: int) -> Floats:

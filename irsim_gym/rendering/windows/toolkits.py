@@ -73,5 +73,5 @@ def event_time(event: object) -> float:
 def _order() -> list[str]:
     """Return the toolkits in the order of trial: the user's own first."""
     chosen = str(dict.__getitem__(matplotlib.rcParams, "backend")).lower()
-    own = [toolkit for toolkit in BACKENDS if chosen.startswith(toolkit)]
-    return own + [toolkit for toolkit in BACKENDS if toolkit not in own]
+    preferred = [toolkit for toolkit in BACKENDS if chosen.startswith(toolkit)]
+    return preferred + [toolkit for toolkit in BACKENDS if toolkit not in preferred]

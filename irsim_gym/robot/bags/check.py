@@ -42,12 +42,12 @@ class BagCheck(NamedTuple):
 
     def stops(self) -> list[tuple[float, float, str, str]]:
         """Return first and last tick [s] of each stop, its reason at the first, and the reason without numbers."""
-        found = []
+        stops = []
         for words, ticks in groupby(range(len(self.times)), lambda k: re.sub(r"\d[\d.]*", "", self.reasons[k])):
             every = list(ticks)
             if words and not self.commands[every].any():
-                found.append((self.times[every[0]], self.times[every[-1]], self.reasons[every[0]], words))
-        return found
+                stops.append((self.times[every[0]], self.times[every[-1]], self.reasons[every[0]], words))
+        return stops
 
 
 def check_bag(bag: Bag, folder: Path, no_return: str = "") -> BagCheck:
@@ -74,7 +74,7 @@ def check_bag(bag: Bag, folder: Path, no_return: str = "") -> BagCheck:
     start, stamps, newest = bag.events[0].time, {"scan": -np.inf, "odometry": -np.inf}, np.full(3, np.nan)
     rows, reasons = list[Floats](), list[str]()
     with reading(bag.file, KIND):
-        for event in sorted([*bag.events, *_ticks(bag, contract.period)], key=lambda one: one.time):
+        for event in sorted([*bag.events, *_ticks(bag, contract.period)], key=lambda event: event.time):
             if event.role == "tick":
                 *command, reason = driver.tick(event.time)
                 whole = np.zeros(3)
@@ -88,7 +88,7 @@ def check_bag(bag: Bag, folder: Path, no_return: str = "") -> BagCheck:
                 getattr(driver, event.role)(event.message)
             if event.role in stamps:
                 stamps[event.role] = seconds(event.message.header.stamp)
-        lost = [(one.time - start, lost_beams(one.message, driver.no_return).mean()) for one in bag.of("scan")]
+        lost = [(event.time - start, lost_beams(event.message, driver.no_return).mean()) for event in bag.of("scan")]
     times, commands, recorded, ages = np.split(np.array(rows), [1, 4, 7], axis=1)
     return BagCheck(times[:, 0], commands, recorded, ages, reasons, np.array(lost).reshape(-1, 2))
 
@@ -102,17 +102,17 @@ def _ticks(bag: Bag, period: float) -> list[Event]:
     return [Event(float(time), "tick", None) for time in times]
 
 
-def report(found: BagCheck, bag: Bag) -> list[str]:
+def report(check: BagCheck, bag: Bag) -> list[str]:
     """Return what a replay shows as lines of text."""
-    apart = np.abs(found.commands - found.recorded).max(axis=1)
-    lines = [f"{bag.file}: {found.times[-1]:.1f} s, {len(found.times)} commands of the driver"]
+    apart = np.abs(check.commands - check.recorded).max(axis=1)
+    lines = [f"{bag.file}: {check.times[-1]:.1f} s, {len(check.times)} commands of the driver"]
     if np.isfinite(apart).any():
         most, middle = int(np.nanargmax(apart)), float(np.nanmedian(apart))
-        lines.append(f"from the recorded ones: {middle:.1e} (median), {apart[most]:.1e} at {found.times[most]:.2f} s")
-    for name, ages in zip(("scans", "odometry"), found.ages.T, strict=True):
-        known = ages[np.isfinite(ages)]
-        if len(known):
-            lines.append(f"age of {name}: {np.median(known):.3f} s (median), {known.max():.3f} s at most")
-    if len(found.lost):
-        lines.append(f"lost beams: {found.lost[:, 1].mean():.1%} on average, {found.lost[:, 1].max():.1%} at most")
-    return lines + [f"stands still from {one[0]:.2f} to {one[1]:.2f} s: {one[2]}" for one in found.stops()]
+        lines.append(f"from the recorded ones: {middle:.1e} (median), {apart[most]:.1e} at {check.times[most]:.2f} s")
+    for name, ages in zip(("scans", "odometry"), check.ages.T, strict=True):
+        finite = ages[np.isfinite(ages)]
+        if len(finite):
+            lines.append(f"age of {name}: {np.median(finite):.3f} s (median), {finite.max():.3f} s at most")
+    if len(check.lost):
+        lines.append(f"lost beams: {check.lost[:, 1].mean():.1%} on average, {check.lost[:, 1].max():.1%} at most")
+    return lines + [f"stands still from {stop[0]:.2f} to {stop[1]:.2f} s: {stop[2]}" for stop in check.stops()]

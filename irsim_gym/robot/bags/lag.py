@@ -31,14 +31,14 @@ def fit_lag(
         velocities: The measured velocities, ``(m, n_components)``.
     """
     newest = np.searchsorted(times, moments, side="right") - 1
-    known = np.flatnonzero((newest >= 0) & (moments - np.append(times, -np.inf)[newest] < LONGEST_GAP))
-    if len(known) < FEWEST:
+    rows = np.flatnonzero((newest >= 0) & (moments - np.append(times, -np.inf)[newest] < LONGEST_GAP))
+    if len(rows) < FEWEST:
         return ("it has too few commands and velocities",) * 2
     moving = np.flatnonzero(commands.std(axis=0) > LEAST_CHANGE)
     if not len(moving):
         return ("its commands hardly change",) * 2
-    known, (lags, taus) = known[:: -(-len(known) // MOST)], (LAGS, TAUS)
-    measured = times, commands[:, moving], moments[known], velocities[np.ix_(known, moving)]
+    rows, (lags, taus) = rows[:: -(-len(rows) // MOST)], (LAGS, TAUS)
+    measured = times, commands[:, moving], moments[rows], velocities[np.ix_(rows, moving)]
     for _ in range(REFINEMENTS):
         weights = _weights(*measured, lags, taus)
         likely = np.nonzero(weights > LIKELY * weights.max())

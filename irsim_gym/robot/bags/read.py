@@ -53,16 +53,16 @@ def read_bag(file: Path, topics: Mapping[str, str]) -> Bag:
     if file.is_dir() and not (file / "metadata.yaml").is_file():
         raise UnreadableFileError(str(file), KIND, "the folder has no metadata.yaml")
     with reading(file, KIND), AnyReader([file], default_typestore=get_typestore(Stores.ROS2_HUMBLE)) as reader:
-        chosen = [one for one in reader.connections if one.topic in roles]
-        there = ", ".join(f"{one.topic} ({one.msgtype.rsplit('/', 1)[-1]})" for one in reader.connections)
+        chosen = [item for item in reader.connections if item.topic in roles]
+        there = ", ".join(f"{item.topic} ({item.msgtype.rsplit('/', 1)[-1]})" for item in reader.connections)
         events = [
-            Event(1e-9 * time, roles[one.topic], reader.deserialize(content, one.msgtype))
-            for one, time, content in (reader.messages(chosen) if chosen else ())
+            Event(1e-9 * time, roles[item.topic], reader.deserialize(content, item.msgtype))
+            for item, time, content in (reader.messages(chosen) if chosen else ())
         ]
-    lacking = [topic for topic in topics.values() if not any(one.topic == topic for one in chosen)]
+    lacking = [topic for topic in topics.values() if not any(item.topic == topic for item in chosen)]
     if lacking or not events:
-        wanted = ", ".join(lacking or TOPICS.values())
-        raise UnreadableFileError(str(file), f"bag with messages of {wanted}", f"its topics are {there or 'none'}")
+        expected = ", ".join(lacking or TOPICS.values())
+        raise UnreadableFileError(str(file), f"bag with messages of {expected}", f"its topics are {there or 'none'}")
     return Bag(file, sorted(events, key=lambda event: (event.time, event.role == "command")))
 
 

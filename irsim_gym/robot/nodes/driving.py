@@ -123,10 +123,10 @@ class Driving:
         if self.way is None or not target or target == source:
             return
         try:
-            found = self.transform(target, source).transform
+            shift = self.transform(target, source).transform
         except TransformException:
             return  # the driver says which frames these are
-        turn, (x, y, heading) = self.heading(found.rotation), self.way.T
+        turn, (x, y, heading) = self.heading(shift.rotation), self.way.T
         x, y = np.cos(turn) * x - np.sin(turn) * y, np.sin(turn) * x + np.cos(turn) * y
-        moved = [found.translation.x + x, found.translation.y + y, heading + turn]
+        moved = [shift.translation.x + x, shift.translation.y + y, heading + turn]
         self.driver.way, self.driver.goal_frame = np.stack(moved, axis=1), target

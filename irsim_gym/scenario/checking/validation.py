@@ -78,11 +78,11 @@ class Report:
         if self.problems:
             raise ScenarioError(self.source.title, list(self.problems))
 
-    def refuse_unknown(self, data: Mapping[str, Any], known: Sequence[str], place: Place = ()) -> None:
+    def refuse_unknown(self, data: Mapping[str, Any], keys: Sequence[str], place: Place = ()) -> None:
         """Report the keys of a mapping that are not known."""
         for key in data:
-            if key not in known:
-                self.add((*place, key), f"unknown key{suggestion(str(key), known)}; known: {', '.join(known)}")
+            if key not in keys:
+                self.add((*place, key), f"unknown key{suggestion(str(key), keys)}; known: {', '.join(keys)}")
 
     def add(self, place: Place, message: str) -> None:
         """Report a problem once; problems beyond a limit are omitted."""
@@ -115,11 +115,11 @@ class Report:
         return len(self.problems) > MAX_PROBLEMS
 
 
-def _collect(found: dict[Problem, None], problem: Problem, what: str) -> None:
-    if len(found) < MAX_PROBLEMS:
-        found[problem] = None
-    elif len(found) == MAX_PROBLEMS:
-        found[Problem(0, "", f"more than {MAX_PROBLEMS} {what}: the rest is not shown")] = None
+def _collect(problems: dict[Problem, None], problem: Problem, what: str) -> None:
+    if len(problems) < MAX_PROBLEMS:
+        problems[problem] = None
+    elif len(problems) == MAX_PROBLEMS:
+        problems[Problem(0, "", f"more than {MAX_PROBLEMS} {what}: the rest is not shown")] = None
 
 
 def frozen(value: object) -> Any:
@@ -148,7 +148,7 @@ def build(cls: type[T], data: object, place: Place, report: Report, *, skip: Ite
     data = {} if data is None else data
     if not isinstance(data, Mapping):
         hint = (
-            " (leave the '-' out)" if isinstance(data, list) and any(isinstance(one, Mapping) for one in data) else ""
+            " (leave the '-' out)" if isinstance(data, list) and any(isinstance(item, Mapping) for item in data) else ""
         )
         report.add(place, f"must be a mapping of options, got {messages.show(data)}{hint}")
         return None
@@ -159,12 +159,12 @@ def build(cls: type[T], data: object, place: Place, report: Report, *, skip: Ite
     values: dict[str, Any] = {key: data[key] for key in more}
     is_good = True
     for key, info in fields.items():
-        own = spelt.get(key, key)
-        if key not in ignored and own in data and data[own] is None and _takes_null(info):
+        spelling = spelt.get(key, key)
+        if key not in ignored and spelling in data and data[spelling] is None and _takes_null(info):
             values[key] = None
-        elif key not in ignored and data.get(own) is not None:
+        elif key not in ignored and data.get(spelling) is not None:
             read = read_color if key.endswith("color") else read_field
-            values[key] = read(info, data[own], (*place, own), report)
+            values[key] = read(info, data[spelling], (*place, spelling), report)
             is_good = is_good and values[key] is not BAD
         elif info.is_required() and key not in ignored:
             report.add((*place, key), "is required")
@@ -180,32 +180,32 @@ def _takes_null(info: FieldInfo) -> bool:
 
 def _construct(cls: type[T], values: Mapping[str, object], place: Place, report: Report) -> T | None:
     try:
-        made = cls(**values)
+        section = cls(**values)
     except ValidationError as error:
         for record in error.errors():
             where = (*place, *(part for part in record["loc"] if isinstance(part, str | int)))
             report.add(where, messages.translate(record, record.get("input"), Any))
         return None
-    problems = [*drawn_problems(made), *(made.problems() if hasattr(made, "problems") else ())]
+    problems = [*drawn_problems(section), *(section.problems() if hasattr(section, "problems") else ())]
     for key, message in problems:
         report.add((*place, key) if key else place, message)
-    return None if problems else made
+    return None if problems else section
 
 
-def check_keys(data: Mapping[str, object], known: Iterable[str], place: Place, report: Report) -> dict[str, str]:
+def check_keys(data: Mapping[str, object], keys: Iterable[str], place: Place, report: Report) -> dict[str, str]:
     """Report unused keys; return misspelt keys by the known keys that they resemble.
 
     Values of misspelt keys are read as well, so that their mistakes are reported too. Keys that are valid elsewhere are
     excluded, and so are all keys if the reader is not strict, because they are ignored then.
     """
-    known, needless = list(known), NEEDLESS.get(mapping_of(place), {})
+    keys, needless = list(keys), NEEDLESS.get(mapping_of(place), {})
     spelt: dict[str, str] = {}
     for key in data:
-        if key in needless and key not in known:
+        if key in needless and key not in keys:
             report.ignore((*place, key), needless[key])
-        elif key not in known and not report.is_full:
-            report.refuse((*place, key), unknown_key(key, known))
-            near = None if elsewhere(key, known) or not report.strict else nearest(key, known)
+        elif key not in keys and not report.is_full:
+            report.refuse((*place, key), unknown_key(key, keys))
+            near = None if elsewhere(key, keys) or not report.strict else nearest(key, keys)
             if near is not None and near not in data:
                 spelt.setdefault(near, key)
     return spelt
@@ -331,7 +331,7 @@ def _prepare_tuple(hint: object, value: list[Any] | tuple[Any, ...], place: Plac
     else:
         report.add(place, f"must be {messages.describe(hint)}, got {messages.show(value)}")
         return BAD
-    items = [prepare(one, item, (*place, i), report) for i, (one, item) in enumerate(zip(hints, value, strict=True))]
+    items = [prepare(hint, item, (*place, i), report) for i, (hint, item) in enumerate(zip(hints, value, strict=True))]
     return BAD if any(item is BAD for item in items) else tuple(items)
 
 

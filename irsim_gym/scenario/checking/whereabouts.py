@@ -30,27 +30,27 @@ SPECS: dict[str, type[Any]] = {
 """What declares the keys of each mapping of a file, apart from those with a name."""
 
 
-def unknown_key(key: str, known: Iterable[str]) -> str:
+def unknown_key(key: str, keys: Iterable[str]) -> str:
     """Return the message about an unknown key."""
-    known = list(known)
-    near, others = nearest(key, known), elsewhere(key, known)
+    keys = list(keys)
+    near, others = nearest(key, keys), elsewhere(key, keys)
     hints = [f"did you mean '{near}'?"] if near is not None else []
     hints += [f"'{key}' is a key of {others}"] if others else []
     if ":" in key:
         hints = ["a ':' needs a space after it"]
     if hints:
         return f"unknown key ({' '.join(hints)})"
-    if len(known) > MOST_NAMES:
+    if len(keys) > MOST_NAMES:
         return "unknown key; `irsim-gym options` lists the keys of all sections"
-    return f"unknown key; known: {', '.join(sorted(known))}" if known else "unknown key; no keys are allowed here"
+    return f"unknown key; known: {', '.join(sorted(keys))}" if keys else "unknown key; no keys are allowed here"
 
 
-def elsewhere(key: str, known: Iterable[str]) -> str:
+def elsewhere(key: str, keys: Iterable[str]) -> str:
     """Return the places in a file where a key is valid, as text; empty if it is a likely misspelling of a known key."""
-    if nearest(key, known, SURE) is not None:
+    if nearest(key, keys, SURE) is not None:
         return ""
-    found = list(dict.fromkeys(_owners(key)))
-    return ", ".join([*found[:MOST_PLACES], "..."] if len(found) > MOST_PLACES else found)
+    places = list(dict.fromkeys(_owners(key)))
+    return ", ".join([*places[:MOST_PLACES], "..."] if len(places) > MOST_PLACES else places)
 
 
 def _owners(key: str) -> Iterator[str]:

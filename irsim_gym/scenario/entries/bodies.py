@@ -81,9 +81,9 @@ def _is_car(body: BodySpec) -> bool:
 
 def _pattern(entry: BodyEntry, i: int, index: int, group: int, report: Report) -> BodySpec | None:
     """Return the entry's i-th body without name and colour, after the checks that need several keys."""
-    given = {key: entry.of(key, i) for key in FIELDS if key not in OF_ENTRY}
-    values = {key: value for key, (_, value) in given.items()}
-    places = {key: place for key, (place, _) in given.items()}
+    fields = {key: entry.of(key, i) for key in FIELDS if key not in OF_ENTRY}
+    values = {key: value for key, (_, value) in fields.items()}
+    places = {key: place for key, (place, _) in fields.items()}
     drive = values["kinematics"]
     good = body_checks.check_body(values, places, report)
     if not good or entry.placement is None:

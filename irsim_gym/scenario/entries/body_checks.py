@@ -154,8 +154,8 @@ def check_view(values: Values, places: Places, report: Report) -> None:
     """Report a field of view with only one of width and depth, given or from a range sensor."""
     fov, radius = field_of_view(values["fov"], values["fov_radius"], values["sensors"] or ())
     if (fov is None) != (radius is None):
-        given, missing = ("fov", "fov_radius") if radius is None else ("fov_radius", "fov")
-        report.add(places[given], f"needs {missing} too, or a lidar that defines it")
+        present, missing = ("fov", "fov_radius") if radius is None else ("fov_radius", "fov")
+        report.add(places[present], f"needs {missing} too, or a lidar that defines it")
 
 
 def field_of_view(fov: float | None, radius: float | None, sensors: Sequence[Any]) -> tuple[float | None, float | None]:

@@ -65,15 +65,15 @@ def read_entry(raw: RawEntry, plot: Mapping[str, object], report: Report) -> Bod
     """
     entry = BodyEntry(raw)
     spelt = check_keys(raw.data, FIELDS, raw.place, report)
-    known = {own: key for key, own in spelt.items()}
+    spellings = {spelling: key for key, spelling in spelt.items()}
     _read_number(entry, report)
     entry.placement = _read_placement(raw, report)
-    for own, value in raw.data.items():
-        key = known.get(own, own)
+    for spelling, value in raw.data.items():
+        key = spellings.get(spelling, spelling)
         if key not in FIELDS or key in OF_ENTRY or value is None or value == {}:
             continue
         read = _reader(key, raw.role, plot)
-        shared = share(key, value, entry.count, (*raw.place, own), report)
+        shared = share(key, value, entry.count, (*raw.place, spelling), report)
         entry.values[key] = [(place, read(item, place, report)) for place, item in shared.values]
     if plot and not entry.values.get("plot"):
         default = build(ObjectPlot, plot, (*raw.place, "plot"), Report(report.source))
@@ -136,8 +136,8 @@ def _read_kind(key: str, value: Any, place: Place, report: Report) -> object:
         value = {**value, "name": name.lower() if name.lower() in families.KINEMATICS else name}
     if key == "shape" and isinstance(value, Mapping) and name is None:
         value = _named_shape(value, place, report)
-    own, sister = families.BY_KEY[key], families.BY_KEY.get(SISTERS.get(key, ""), ())
-    if isinstance(name, str) and name not in own and name in sister:
+    family, sister = families.BY_KEY[key], families.BY_KEY.get(SISTERS.get(key, ""), ())
+    if isinstance(name, str) and name not in family and name in sister:
         report.add((*place, "name"), f"'{name}' is a {SISTERS[key]}: write `{SISTERS[key]}: {{name: {name}}}`")
         return BAD
     if key == "group_behavior" and isinstance(name, str) and name not in families.GROUP_BEHAVIORS:
@@ -147,10 +147,10 @@ def _read_kind(key: str, value: Any, place: Place, report: Report) -> object:
             report.doubt(place, f"no group behavior named {show(name)}: {why}")
             return None
     if report.may_pend and is_pending(key, value):
-        made: Any = read_pending(key, value, place, report)
+        choice: Any = read_pending(key, value, place, report)
     else:
-        made = build_named(own, value, place, report)
-    return BAD if made is None else made
+        choice = build_named(family, value, place, report)
+    return BAD if choice is None else choice
 
 
 def _named_shape(shape: Mapping[str, Any], place: Place, report: Report) -> Mapping[str, Any]:
@@ -170,8 +170,8 @@ def _read_sensors(value: object, place: Place, report: Report) -> object:
         report.add(place, f"must be a list of sensors such as [{{name: lidar2d}}], got {show(value)}")
         return BAD
     paths = [place] if isinstance(value, Mapping) else [(*place, i) for i in range(len(items))]
-    made = [_read_sensor(item, where, report) for item, where in zip(items, paths, strict=True)]
-    return BAD if any(sensor is None for sensor in made) else tuple(made)
+    sensors = [_read_sensor(item, where, report) for item, where in zip(items, paths, strict=True)]
+    return BAD if any(sensor is None for sensor in sensors) else tuple(sensors)
 
 
 def _read_sensor(item: object, place: Place, report: Report) -> object:
@@ -188,8 +188,8 @@ def read_disturbances(value: object, place: Place, report: Report) -> object:
     if not isinstance(value, list):
         report.add(place, f"must be a list of disturbances such as [{{name: latency, time: 0.2}}], got {show(value)}")
         return BAD
-    made = [build_named(families.DISTURBANCES, item, (*place, i), report) for i, item in enumerate(value)]
-    return BAD if any(one is None for one in made) else tuple(made)
+    disturbances = [build_named(families.DISTURBANCES, item, (*place, i), report) for i, item in enumerate(value)]
+    return BAD if any(disturbance is None for disturbance in disturbances) else tuple(disturbances)
 
 
 def _read_goal(value: Any, place: Place, report: Report) -> object:
@@ -216,10 +216,10 @@ def _read_waypoint(value: object, place: Place, report: Report) -> object:
 
 
 def _read_plot(value: Any, shared: Mapping[str, Any], place: Place, report: Report) -> object:
-    own = build(ObjectPlot, value, place, report)
-    if own is None or not shared:
-        return BAD if own is None else own
-    return build(ObjectPlot, {**shared, **value}, place, Report(report.source)) or own
+    plot = build(ObjectPlot, value, place, report)
+    if plot is None or not shared:
+        return BAD if plot is None else plot
+    return build(ObjectPlot, {**shared, **value}, place, Report(report.source)) or plot
 
 
 def _read_role(value: object, role: str, place: Place, report: Report) -> object:

@@ -61,10 +61,10 @@ def _missing(pending: PendingBehavior) -> str:
 
 def read_pending(key: str, data: Mapping[str, object], place: Place, report: Report) -> PendingBehavior | None:
     """Return a placeholder for an unknown behaviour; None after reporting problems with its goals."""
-    made = build(PendingBehavior, {name: data[name] for name in RENEWAL if name in data}, place, report)
+    behavior = build(PendingBehavior, {name: data[name] for name in RENEWAL if name in data}, place, report)
     line = report.source.line((*place, "name"))
     where = f"{report.source.title}:{line}" if line else report.source.title
-    return None if made is None else replace(made, key=key, where=where, place=place, data=data)
+    return None if behavior is None else replace(behavior, key=key, where=where, place=place, data=data)
 
 
 def is_pending(key: str, data: object) -> bool:
@@ -75,8 +75,8 @@ def is_pending(key: str, data: object) -> bool:
 
 def unknown_groups(scenario: Scenario) -> list[str]:
     """Return messages about groups whose behaviour is not registered."""
-    found = [body.group_behavior for body in scenario.bodies]
-    return list(dict.fromkeys(_missing(one) for one in found if isinstance(one, PendingBehavior)))
+    behaviors = [body.group_behavior for body in scenario.bodies]
+    return list(dict.fromkeys(_missing(behavior) for behavior in behaviors if isinstance(behavior, PendingBehavior)))
 
 
 def resolve_pending(scenario: Scenario) -> Scenario:
@@ -86,22 +86,22 @@ def resolve_pending(scenario: Scenario) -> Scenario:
         ScenarioError: If an entry of such a behaviour cannot be used; the error lists every problem with its line.
     """
     report = Report(scenario.source)
-    made: dict[int, Any] = {}
-    bodies = tuple(_resolved(body, made, report) for body in scenario.bodies)
+    behaviors: dict[int, Any] = {}
+    bodies = tuple(_resolved(body, behaviors, report) for body in scenario.bodies)
     report.check()
-    return replace(scenario, bodies=bodies) if made else scenario
+    return replace(scenario, bodies=bodies) if behaviors else scenario
 
 
-def _resolved(body: BodySpec, made: dict[int, Any], report: Report) -> BodySpec:
-    found: dict[str, PendingBehavior] = {}
+def _resolved(body: BodySpec, behaviors: dict[int, Any], report: Report) -> BodySpec:
+    behaviors_by_key: dict[str, PendingBehavior] = {}
     for key, registry in DECIDING.items():
         pending = getattr(body, key)
         if isinstance(pending, PendingBehavior) and not is_pending(key, pending.data):
-            found[key] = pending
-            if id(pending) not in made:
+            behaviors_by_key[key] = pending
+            if id(pending) not in behaviors:
                 built = build_named(registry, pending.data, pending.place, report)
-                made[id(pending)] = BAD if built is None else built
-    new = {key: made[id(pending)] for key, pending in found.items()}
+                behaviors[id(pending)] = BAD if built is None else built
+    new = {key: behaviors[id(pending)] for key, pending in behaviors_by_key.items()}
     if not new or any(value is BAD for value in new.values()):
         return body
     resolved = replace(body, **new)

@@ -25,16 +25,16 @@ def give_recordings(bodies: list[BodySpec], entry: BodyEntry, step_time: float, 
         bodies: The entry's bodies.
         step_time: Duration of a step [s].
     """
-    given = []
+    completed = []
     for i, body in enumerate(bodies):
         place = entry.of("behavior", i)[0]
         if not getattr(body.behavior, "replays", False):
-            given.append(body)
-        elif (made := _with_recording(body, i, len(bodies), step_time, place, report)) is not None:
-            given.append(made)
+            completed.append(body)
+        elif (recorded := _with_recording(body, i, len(bodies), step_time, place, report)) is not None:
+            completed.append(recorded)
         else:
             return []
-    return given
+    return completed
 
 
 def _with_recording(
@@ -54,8 +54,8 @@ def _with_recording(
         report.add((*place, "file"), f"{file}: {error}")
         return None
     if options.person is not None and options.person not in recording.persons:
-        known = ", ".join(map(str, recording.persons[:12]))
-        report.add((*place, "person"), f"{file.name} has no person {options.person}; it has {known}")
+        persons = ", ".join(map(str, recording.persons[:12]))
+        report.add((*place, "person"), f"{file.name} has no person {options.person}; it has {persons}")
         return None
     if i >= len(recording.persons) or (options.person is not None and count > 1):
         most = 1 if options.person is not None else len(recording.persons)

@@ -38,7 +38,7 @@ def add_bodies(scenario: Scenario, role: str, entry: Mapping[str, object], first
     if len(scenario.bodies) + read.count > MAX_BODIES:
         raise ScenarioError(source.title, [source.problem((role,), f"too many bodies: at most {MAX_BODIES}")])
     group = 1 + max((body.group for body in scenario.bodies), default=-1)
-    made = make_bodies(read, len(scenario.placements), first, group, report)
+    new_bodies = make_bodies(read, len(scenario.placements), first, group, report)
     taken = {body.name for body in scenario.bodies}
     for i in range(read.count):
         place, name = name_of(read, i, first + i)
@@ -52,7 +52,7 @@ def add_bodies(scenario: Scenario, role: str, entry: Mapping[str, object], first
     end = len(scenario.bodies) - (scenario.occupied is not None)
     placements = [_shifted(spec, end, read.count) for spec in scenario.placements]
     placements.append(placement_of(read, end, report))
-    bodies = (*scenario.bodies[:end], *made, *scenario.bodies[end:])
+    bodies = (*scenario.bodies[:end], *new_bodies, *scenario.bodies[end:])
     return replace(scenario, bodies=bodies, placements=tuple(placements))
 
 
@@ -82,9 +82,9 @@ def remove_body(scenario: Scenario, number: int) -> Scenario:
     gone = scenario.bodies[number]
     counted = sum(body.group == gone.group for body in scenario.bodies[:number])
     left = (_without(body, counted) if body.group == gone.group else body for body in bodies)
-    kept = tuple(replace(body, entry=entries[body.entry]) for body in left)
+    left_bodies = tuple(replace(body, entry=entries[body.entry]) for body in left)
     occupied = None if is_map else scenario.occupied
-    return replace(scenario, bodies=kept, placements=tuple(placements), occupied=occupied)
+    return replace(scenario, bodies=left_bodies, placements=tuple(placements), occupied=occupied)
 
 
 def _without(body: BodySpec, member: int) -> BodySpec:

@@ -59,8 +59,8 @@ def with_levels(scenario: Scenario, levels: LevelSet) -> Scenario:
     Raises:
         ScenarioError: If the levels do not fit the scenario.
     """
-    own, placements = without_map(scenario)
-    mistakes = list(misfits(levels, own, placements, scenario.world, scenario.occupied))
+    world_without_map, placements = without_map(scenario)
+    mistakes = list(misfits(levels, world_without_map, placements, scenario.world, scenario.occupied))
     if mistakes:
         raise ScenarioError(levels.file, [Problem(0, name, text) for name, text in mistakes])
     return replace(scenario, levels=levels)
@@ -109,8 +109,8 @@ def misfits(
     if levels.cells is not None and occupied is None:
         yield "cells", "the scenario has no obstacle_map for them"
     elif levels.cells is not None and occupied is not None and levels.cells.shape[1:] != occupied.shape:
-        (columns, rows), (given, other) = occupied.shape, levels.cells.shape[1:]
-        yield "cells", f"must be {columns} x {rows} cells, as the obstacle_map has, got {given} x {other}"
+        (columns, rows), (n_columns, other) = occupied.shape, levels.cells.shape[1:]
+        yield "cells", f"must be {columns} x {rows} cells, as the obstacle_map has, got {n_columns} x {other}"
     names = [body.name for body in bodies]
     for name in levels.bodies:
         if name not in names:
@@ -134,17 +134,17 @@ def _misfits_of(
     name, present = f"'{levels.bodies[k]}'", levels.present[:, k]
     if placement.number_range is None and not present.all():
         yield "present", f"{_where(~present, name)}: must be there, since its entry has no number_range"
-    given = (~np.isnan(levels.goal[:, k, :, 0])).sum(axis=1) * present
+    count = (~np.isnan(levels.goal[:, k, :, 0])).sum(axis=1) * present
     is_mobile = body.kinematics is not None and not body.static
-    wanted = n_goals_drawn(placement) if is_mobile else 0
-    if given.any() and not wanted and not (is_mobile and len(body.goal) == 1):
+    drawn = n_goals_drawn(placement) if is_mobile else 0
+    if count.any() and not drawn and not (is_mobile and len(body.goal) == 1):
         has = f"{len(body.goal)} goals" if is_mobile and body.goal else "no goal"
-        yield "goal", f"{_where(given > 0, name)}: has {has} in the scenario, so the file can give it none"
-    elif (given > 1).any() and not wanted:
-        yield "goal", f"{_where(given > 1, name)}: has 1 goal in the scenario, so the file can give it no more"
-    if (wrong := present & (given != wanted)).any() and wanted:
-        what = "a goal, since its distribution would draw one" if wanted == 1 else f"{wanted} goals, as in the scenario"
-        yield "goal", f"{_where(wrong, name)}: needs {what}, got {given[wrong][0] or 'none'}"
+        yield "goal", f"{_where(count > 0, name)}: has {has} in the scenario, so the file can give it none"
+    elif (count > 1).any() and not drawn:
+        yield "goal", f"{_where(count > 1, name)}: has 1 goal in the scenario, so the file can give it no more"
+    if (wrong := present & (count != drawn)).any() and drawn:
+        what = "a goal, since its distribution would draw one" if drawn == 1 else f"{drawn} goals, as in the scenario"
+        yield "goal", f"{_where(wrong, name)}: needs {what}, got {count[wrong][0] or 'none'}"
     rows = np.diff(levels.segment_start, axis=1)[:, k] + np.diff(levels.disc_start, axis=1)[:, k]
     if is_shaped and not body.shape.is_random and (is_mobile or body.sensors):
         yield "segments", f"{name}: only a random_shape or a standing obstacle takes its outline from a file"
@@ -154,5 +154,5 @@ def _misfits_of(
 
 def _where(bad: Any, name: str) -> str:
     """Return the first level with a problem, and how many more there are, as text."""
-    found = np.flatnonzero(bad)
-    return f"level {found[0]}{f' and {len(found) - 1} more' if len(found) > 1 else ''}, {name}"
+    rows = np.flatnonzero(bad)
+    return f"level {rows[0]}{f' and {len(rows) - 1} more' if len(rows) > 1 else ''}, {name}"

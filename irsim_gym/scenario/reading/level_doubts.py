@@ -33,10 +33,10 @@ def level_doubts(scenario: Scenario) -> Iterator[tuple[str, str]]:
             (_at_goal(levels, k, body), "at the goal, closer than its goal_threshold"),
             (_in_cells(place, scenario, levels, body), "in an occupied cell"),
         ):
-            found = np.flatnonzero(flags & levels.present[:, k]).tolist()
-            if found:
-                more = f" and {len(found) - MOST_TOLD} more" if len(found) > MOST_TOLD else ""
-                yield name, f"starts {what} in level {', '.join(map(str, found[:MOST_TOLD]))}{more}"
+            level_numbers = np.flatnonzero(flags & levels.present[:, k]).tolist()
+            if level_numbers:
+                more = f" and {len(level_numbers) - MOST_TOLD} more" if len(level_numbers) > MOST_TOLD else ""
+                yield name, f"starts {what} in level {', '.join(map(str, level_numbers[:MOST_TOLD]))}{more}"
 
 
 def _outside(place: Floats, world: WorldSpec) -> Flags:

@@ -60,8 +60,8 @@ def _missing(arrays: Found) -> Iterator[Mistake]:
             yield name, "is missing"
     for rows, start in (("segments", "segment_start"), ("discs", "disc_start"), ("splits", "split_start")):
         if (rows in arrays) != (start in arrays):
-            given, missing = (rows, start) if rows in arrays else (start, rows)
-            yield missing, f"is missing, and {given} needs it"
+            present, missing = (rows, start) if rows in arrays else (start, rows)
+            yield missing, f"is missing, and {present} needs it"
 
 
 def _shapes(arrays: Found) -> Iterator[Mistake]:
@@ -83,9 +83,9 @@ def _shapes(arrays: Found) -> Iterator[Mistake]:
                     yield name, f"{wish}, got shape {array.shape}"
                 continue
             key, more = axis.removesuffix("+1"), int(axis.endswith("+1"))
-            known, whose = sizes.setdefault(key, (length - more, name))
-            if length != known + more:
-                yield name, f"axis {axis} must be {known + more} long, as {whose} has {known}, got {length}"
+            base_length, whose = sizes.setdefault(key, (length - more, name))
+            if length != base_length + more:
+                yield name, f"axis {axis} must be {base_length + more} long, as {whose} has {base_length}, got {length}"
     for axis in ("level", "goal"):
         if sizes.get(axis, (1, ""))[0] == 0:
             yield sizes[axis][1], f"holds no {axis}"
@@ -173,11 +173,11 @@ def _per_row(name: str, is_good: Flags, values: NDArray[Any], wish: str) -> Iter
 
 def _per_level(name: str, bad: Flags, levels: LevelSet, wish: str, values: NDArray[Any]) -> Iterator[Mistake]:
     """Yield the first levels with bad values of a body, by flags ``(n_levels, n_bodies)``."""
-    found = np.argwhere(bad).tolist()
-    for level, body in found[:MOST_TOLD]:
+    places = np.argwhere(bad).tolist()
+    for level, body in places[:MOST_TOLD]:
         yield name, f"level {level}, '{levels.bodies[body]}': {wish}, got {values[level, body].tolist()}"
-    if len(found) > MOST_TOLD:
-        yield name, f"and {len(found) - MOST_TOLD} more like these"
+    if len(places) > MOST_TOLD:
+        yield name, f"and {len(places) - MOST_TOLD} more like these"
 
 
 def _split_mistakes(levels: LevelSet, arrays: Found) -> Iterator[Mistake]:

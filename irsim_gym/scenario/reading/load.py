@@ -97,9 +97,9 @@ def read_scenario(
         ScenarioError: If the scenario cannot be used; the error lists every problem with its line.
         UnknownNameError: If the scenario has no such parameter.
     """
-    given = dict(parameters or {})
-    beside = {name: given.pop(name) for name in BESIDE if given.get(name) is not None}
-    source, values = fill_in(source, given, strict=strict)
+    left = dict(parameters or {})
+    beside = {name: left.pop(name) for name in BESIDE if left.get(name) is not None}
+    source, values = fill_in(source, left, strict=strict)
     source = with_presets(source)
     report = Report(source, strict=strict)
     report.may_pend = may_pend
@@ -184,10 +184,10 @@ def _world(data: object, place: Place, source: Source, report: Report) -> WorldS
     elif data is None and source.file:
         data = {"name": Path(source.file).name.split(".")[0] or "world"}
     if isinstance(data, Mapping) and data.get("obstacle_map") is not None:
-        made = read_map(data["obstacle_map"], (*place, "obstacle_map"), report)
-        data = {**map_extent(made, source), **data, "obstacle_map": None if made is BAD else made}
-    own = isinstance(data, Mapping) and "obstacle_map" in data  # the value of a misspelt key is not read as a map
-    return build(WorldSpec, data, place, report, skip=() if own else ["obstacle_map"])
+        map_options = read_map(data["obstacle_map"], (*place, "obstacle_map"), report)
+        data = {**map_extent(map_options, source), **data, "obstacle_map": None if map_options is BAD else map_options}
+    has_map = isinstance(data, Mapping) and "obstacle_map" in data  # the value of a misspelt key is not read as a map
+    return build(WorldSpec, data, place, report, skip=() if has_map else ["obstacle_map"])
 
 
 def _known_mode(mode: object, key: str, place: Place, report: Report) -> object:
@@ -239,14 +239,14 @@ def _bodies(
             if total + entry.count > MAX_BODIES:
                 report.add(entry.raw.place, f"too many bodies: at most {MAX_BODIES}")
                 break
-            made = make_bodies(entry, len(placements), total, next_group + k, report)
-            made = give_recordings(made, entry, step_time, report)
+            entry_bodies = make_bodies(entry, len(placements), total, next_group + k, report)
+            entry_bodies = give_recordings(entry_bodies, entry, step_time, report)
             if entry.count:
                 placements.append(placement_of(entry, total, report))
             names.extend(name_of(entry, i, total + i) for i in range(entry.count))
             watchers.extend(entry.values.get("seen_by", ()))
             total += entry.count
-            bodies.extend(made)
+            bodies.extend(entry_bodies)
         next_group = 1 + max((body.group for body in bodies), default=len(entries) - 1)
     _check_names(names, report)
     _check_watchers(watchers, bodies, report)
@@ -255,11 +255,11 @@ def _bodies(
 
 def _check_watchers(watchers: list[tuple[Place, Any]], bodies: list[BodySpec], report: Report) -> None:
     """Report words of ``seen_by`` that name no role, body or group, unless there are other problems already."""
-    known = list(dict.fromkeys([*ROLES, *(body.name for body in bodies), *(body.group_name for body in bodies)]))
+    names = list(dict.fromkeys([*ROLES, *(body.name for body in bodies), *(body.group_name for body in bodies)]))
     for place, words in [] if report.problems else watchers:
         for word in words or ():
-            if word not in known:
-                near = suggestion(word[:40], known)
+            if word not in names:
+                near = suggestion(word[:40], names)
                 report.add(place, f"no role, body or group named {show(word)}{near or '; a role is ' + choices(ROLES)}")
 
 

@@ -34,14 +34,14 @@ def read_map(data: object, place: Place, report: Report) -> Any:
     elif not isinstance(data, Mapping):
         report.add(place, "must be the name of an image, a mapping such as {name: perlin, resolution: 0.1}, or cells")
         return BAD
-    made = build_named(MAPS, data, place, report)
-    return BAD if made is None else made
+    map_options = build_named(MAPS, data, place, report)
+    return BAD if map_options is None else map_options
 
 
-def map_extent(made: Any, source: Source) -> dict[str, Any]:
+def map_extent(map_options: Any, source: Source) -> dict[str, Any]:
     """Return width, height and offset of the world [m] that a map states; nothing for others, or if it is broken."""
     try:
-        return dict(made.extent(_finder(source))) if hasattr(made, "extent") else {}
+        return dict(map_options.extent(_finder(source))) if hasattr(map_options, "extent") else {}
     except OptionError:
         return {}  # read_cells reports it
 
@@ -92,8 +92,8 @@ def find_map(name: str, folders: tuple[Path, ...]) -> Path:
     Raises:
         OptionError: If the file is not found; the message lists the shipped maps.
     """
-    given = Path(name)
-    for file in (given, *(folder / given for folder in folders)):
+    path = Path(name)
+    for file in (path, *(folder / path for folder in folders)):
         if _is_file(file):
             return file
     shipped = library.assets("maps")
@@ -102,14 +102,14 @@ def find_map(name: str, folders: tuple[Path, ...]) -> Path:
     by_stem = {file.stem: file for file in shipped.values()}
     if name in by_stem:
         return by_stem[name]
-    theirs = _irsim_map(given)
+    theirs = _irsim_map(path)
     if theirs is not None:
         return theirs
     offer = f"shipped: {', '.join(shipped)}"
-    if given.name in IRSIM_MAPS:
-        way = f"install ir-sim, copy the file beside the scenario, or give its path ({_IRSIM_FOLDER}/.../{given.name})"
+    if path.name in IRSIM_MAPS:
+        way = f"install ir-sim, copy the file beside the scenario, or give its path ({_IRSIM_FOLDER}/.../{path.name})"
         raise OptionError("path", f"'{name[:60]}' belongs to IR-SIM and is not shipped here: {way}; {offer}")
-    near = suggestion(given.name, shipped) or suggestion(given.stem, by_stem)
+    near = suggestion(path.name, shipped) or suggestion(path.stem, by_stem)
     raise OptionError("path", f"no map '{name[:60]}': no such file as given or beside the scenario{near}; {offer}")
 
 
@@ -120,15 +120,15 @@ def _is_file(file: Path) -> bool:
         return False
 
 
-def _irsim_map(given: Path) -> Path | None:
+def _irsim_map(path: Path) -> Path | None:
     """Return a file in the map folder of an installed ir-sim, without importing it; None if there is none."""
-    if given.is_absolute() or ".." in given.parts:
+    if path.is_absolute() or ".." in path.parts:
         return None
     package = importlib.util.find_spec("irsim")
     for home in (package.submodule_search_locations if package is not None else None) or ():
         folder = Path(home).parent / _IRSIM_FOLDER
-        below = sorted(folder.glob(f"*/{given.name}")) if given.name in IRSIM_MAPS else []
-        for file in (folder / given, *below):
+        below = sorted(folder.glob(f"*/{path.name}")) if path.name in IRSIM_MAPS else []
+        for file in (folder / path, *below):
             if _is_file(file):
                 return file
     return None

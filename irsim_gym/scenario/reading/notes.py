@@ -35,40 +35,40 @@ def warn_of_keys(title: str, ignored: Iterable[Problem]) -> None:
     _warn(IgnoredKeyWarning, title, tuple(ignored))
 
 
-def warn_of_starts(scenario: Scenario, found: Sequence[Problem]) -> None:
+def warn_of_starts(scenario: Scenario, starts: Sequence[Problem]) -> None:
     """Warn of robots that start inside an obstacle (``simulator.engine.start_checks.find_blocked_starts``)."""
-    held = [replace(problem, message=f"{problem.message}: the robot is stuck there") for problem in found]
+    held = [replace(problem, message=f"{problem.message}: the robot is stuck there") for problem in starts]
     _warn(ScenarioWarning, scenario.source.title, held)
 
 
-def _warn(category: type[ScenarioWarning], title: str, found: Sequence[Problem]) -> None:
+def _warn(category: type[ScenarioWarning], title: str, problems: Sequence[Problem]) -> None:
     """Warn of all problems found, at the line that called this package."""
-    if not found:
+    if not problems:
         return
-    warn_caller(category(title, found))
+    warn_caller(category(title, problems))
 
 
 def notes(scenario: Scenario) -> tuple[Problem, ...]:
     """Return all remarks about a scenario that are not errors, in the order of its lines."""
-    found = [Problem(body.line, body.name, IDLE) for body in scenario.bodies if _is_idle(body, scenario)]
+    problems = [Problem(body.line, body.name, IDLE) for body in scenario.bodies if _is_idle(body, scenario)]
     for body in scenario.bodies:
         further = (*_goals_outside(body, scenario), *_limit_notes(body, scenario), *_range_notes(body, scenario))
-        found += [Problem(body.line, body.name, message) for message in further]
-    return tuple(sorted({*_in_order([*doubts(scenario), *found]), *scenario.ignored}))
+        problems += [Problem(body.line, body.name, message) for message in further]
+    return tuple(sorted({*_in_order([*doubts(scenario), *problems]), *scenario.ignored}))
 
 
 def doubts(scenario: Scenario) -> tuple[Problem, ...]:
     """Return remarks about suspicious values, in the order of their lines."""
-    found = [*scenario.doubts, *_world_notes(scenario), *_view_notes(scenario), *_level_notes(scenario)]
+    problems = [*scenario.doubts, *_world_notes(scenario), *_view_notes(scenario), *_level_notes(scenario)]
     for body in scenario.bodies:
-        found += [Problem(body.line, body.name, message) for message in _body_notes(body, scenario)]
-    return _in_order(found)
+        problems += [Problem(body.line, body.name, message) for message in _body_notes(body, scenario)]
+    return _in_order(problems)
 
 
-def _in_order(found: Iterable[Problem]) -> tuple[Problem, ...]:
+def _in_order(problems: Iterable[Problem]) -> tuple[Problem, ...]:
     """Return remarks sorted by line; a remark on several bodies of an entry appears once."""
     seen: dict[tuple[int, str], Problem] = {}
-    for note in found:
+    for note in problems:
         seen.setdefault((note.line, note.message), note)
     return tuple(sorted(seen.values()))
 

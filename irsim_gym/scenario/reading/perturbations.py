@@ -23,9 +23,9 @@ def read_perturbations(text: object) -> tuple[Any, ...]:
     """
     report = _report(PERTURBED, text, "latency:time=0.2; lost_beams:chance=0.1")
     items = [_read_item(item, (PERTURBED, i), report) for i, item in enumerate(str(text).split(";")) if item.strip()]
-    made: Any = read_disturbances(items, (PERTURBED,), report)
+    disturbances: Any = read_disturbances(items, (PERTURBED,), report)
     report.check()
-    return () if made is BAD else made
+    return () if disturbances is BAD else disturbances
 
 
 def read_shield(text: object) -> Any:
@@ -35,9 +35,9 @@ def read_shield(text: object) -> Any:
         ScenarioError: If it cannot be used; the error lists every problem.
     """
     report = _report(SHIELDED, text, "stop_in_time:margin=0.05")
-    made = build_named(families.SHIELDS, _read_item(str(text), (SHIELDED,), report), (SHIELDED,), report)
+    shield = build_named(families.SHIELDS, _read_item(str(text), (SHIELDED,), report), (SHIELDED,), report)
     report.check()
-    return made
+    return shield
 
 
 def _report(key: str, value: object, example: str) -> Report:
@@ -52,10 +52,10 @@ def _report(key: str, value: object, example: str) -> Report:
 def _read_item(text: str, place: tuple[str | int, ...], report: Report) -> Mapping[str, object]:
     """Return a disturbance as a file would hold it."""
     name, *pairs = _PAIR.split(text.strip())
-    found: dict[str, object] = {"name": name.strip()}
+    item: dict[str, object] = {"name": name.strip()}
     for key, value in (pair.split("=", 1) for pair in pairs):
         try:
-            found[key.strip()] = compose(value.strip()).data
+            item[key.strip()] = compose(value.strip()).data
         except Fatal as error:
             report.add((*place, key.strip()), f"cannot be read, got {show(value)}: {error}")
-    return found
+    return item

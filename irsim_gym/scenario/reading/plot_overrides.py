@@ -42,7 +42,7 @@ def saved_with(scenario: Scenario, options: Mapping[str, object]) -> Scenario:
 def _checked(kind: type[ObjectPlot] | type[SavedFigure], section: str, options: Mapping[str, object]) -> dict[str, Any]:
     source = read_mapping({section: dict(options)})
     report = Report(source)
-    made = build(kind, source.data[section], (section,), report)
-    if made is None or report.problems:
+    built = build(kind, source.data[section], (section,), report)
+    if built is None or report.problems:
         raise ScenarioError("options of a picture", list(report.problems))
-    return {key: getattr(made, key) for key in options}
+    return {key: getattr(built, key) for key in options}

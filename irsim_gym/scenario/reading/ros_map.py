@@ -72,8 +72,8 @@ class RosMapImage:
         Args:
             unknown: Whether unknown ones are.
         """
-        found = np.nan_to_num(self.occupancy(), nan=100.0 if unknown else 0.0) > OCCUPIED
-        return np.ascontiguousarray(np.fliplr(found.T))
+        occupied = np.nan_to_num(self.occupancy(), nan=100.0 if unknown else 0.0) > OCCUPIED
+        return np.ascontiguousarray(np.fliplr(occupied.T))
 
 
 def read_ros_map(file: Path) -> RosMapImage:
@@ -86,10 +86,10 @@ def read_ros_map(file: Path) -> RosMapImage:
 
     try:
         report = Report.of_file(file)
-        given = {key: report.mapping.get(key) for key in option_fields(RosMapFile)}
-        negate = given["negate"]
-        given["negate"] = int(negate) if isinstance(negate, bool) else negate
-        content = build(RosMapFile, given, (), report)
+        values = {key: report.mapping.get(key) for key in option_fields(RosMapFile)}
+        negate = values["negate"]
+        values["negate"] = int(negate) if isinstance(negate, bool) else negate
+        content = build(RosMapFile, values, (), report)
         if content is not None and content.origin[2] != 0.0:
             turn = f"its yaw must be 0, got {content.origin[2]:g}: turn the image instead"
             report.add(("origin",), turn)
@@ -101,7 +101,7 @@ def read_ros_map(file: Path) -> RosMapImage:
         with reading(image, "image"), Image.open(image) as picture:
             return RosMapImage(content, image, picture.size)
     except ScenarioError as error:
-        told = "; ".join(f"{file}:{one.line} {one.path}: {one.message}" for one in error.problems)
+        told = "; ".join(f"{file}:{problem.line} {problem.path}: {problem.message}" for problem in error.problems)
         raise OptionError("path", f"no map of ROS: {told}") from None
     except UnreadableFileError as error:
         raise OptionError("path", f"{file} cannot be used: {error}") from None

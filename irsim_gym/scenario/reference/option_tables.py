@@ -82,10 +82,10 @@ def _default(value: object) -> str:
 
 def find_family(name: str) -> Registry | None:
     """Return the family of kinds that a name or its plural names, e.g. ``rewards`` or ``obstacle_map``."""
-    wanted = name.lower().replace("_", " ").replace("behaviour", "behavior")
+    family_name = name.lower().replace("_", " ").replace("behaviour", "behavior")
     families.load()
-    found = {one.family: one for one in families.every()}
-    return found.get(wanted) or found.get(wanted.removesuffix("s"))
+    by_name = {family.family: family for family in families.every()}
+    return by_name.get(family_name) or by_name.get(family_name.removesuffix("s"))
 
 
 def kind_summaries(family: Registry) -> dict[str, str]:
@@ -122,7 +122,7 @@ def _plot_options(cls: type[Any]) -> type[Any] | None:
     if info is None:
         return None
     candidates = (info.annotation, *get_args(info.annotation))
-    return next((one for one in candidates if dataclasses.is_dataclass(one) and isinstance(one, type)), None)
+    return next((item for item in candidates if dataclasses.is_dataclass(item) and isinstance(item, type)), None)
 
 
 def markdown() -> str:

@@ -40,16 +40,16 @@ class Ids:
         match = _ID.fullmatch(name) if isinstance(name, str) else None
         if match is None:
             return None
-        module, one, namespace, version = match.groups()
+        module, env_id, namespace, version = match.groups()
         if namespace is None and version is None:
             return None
         if module is not None:
             _import(module, name)
-        if self._spec(one) is not None:
-            return one
+        if self._spec(env_id) is not None:
+            return env_id
         is_meant = module is not None or namespace == NAMESPACE or (namespace is not None and version is not None)
         if is_meant and not Path(name).exists():
-            raise UnknownNameError(f"no environment '{name}'{self._advice(one, namespace)}")
+            raise UnknownNameError(f"no environment '{name}'{self._advice(env_id, namespace)}")
         return None
 
     def scenario(self, name: object) -> Any:
@@ -60,46 +60,46 @@ class Ids:
             MissingScenarioError: If the id stands for any scenario (``irsim_gym/World-v0``).
             IrsimGymError: If the id is registered with further arguments, e.g. a task, which only Gymnasium passes on.
         """
-        one = self.find(name)
-        if one is None:
+        env_id = self.find(name)
+        if env_id is None:
             return name
-        if one == ANY:
+        if env_id == ANY:
             raise MissingScenarioError(
                 f"'{name}' is a placeholder for any scenario: name the scenario itself, {SOURCES}"
             )
-        given = dict(self._spec(one).kwargs)
-        scenario = given.pop("scenario", None)
+        kwargs = dict(self._spec(env_id).kwargs)
+        scenario = kwargs.pop("scenario", None)
         if scenario is None:
             raise UnknownNameError(f"'{name}' is registered, but is not a scenario of irsim_gym")
-        if given:
-            others = ", ".join(given)
+        if kwargs:
+            others = ", ".join(kwargs)
             raise IrsimGymError(
                 f"'{name}' was registered with {others} as well, which gymnasium.make alone reads: "
                 f"name the scenario in place of the id, and give {others} yourself"
             )
         return scenario
 
-    def _spec(self, one: str) -> Any:
-        return next((registry[one] for registry in self._registries if one in registry), None)
+    def _spec(self, env_id: str) -> Any:
+        return next((registry[env_id] for registry in self._registries if env_id in registry), None)
 
-    def _advice(self, one: str, namespace: str | None) -> str:
+    def _advice(self, env_id: str, namespace: str | None) -> str:
         """Return advice about an id that is not registered."""
-        known = [other for registry in self._registries for other in registry if other.startswith(f"{namespace}/")]
-        if not known:
+        ids = [other for registry in self._registries for other in registry if other.startswith(f"{namespace}/")]
+        if not ids:
             return (
                 f": nothing is registered as '{namespace}/...' in this process. Ids of register_scenarios are known "
                 "where it was called: call it in each worker process too, on the command line in a module that "
                 "--import names; or name the file, with its suffix"
             )
-        names = {_name(other): other for other in known}
-        if _name(one) in names:
-            return f": there is '{names[_name(one)]}'"
-        near = nearest(_name(one), names)
+        names = {_name(other): other for other in ids}
+        if _name(env_id) in names:
+            return f": there is '{names[_name(env_id)]}'"
+        near = nearest(_name(env_id), names)
         if near is not None:
             return f" (did you mean '{names[near]}'?)"
         if namespace == NAMESPACE:
             return "; `irsim-gym list` shows the shipped scenarios"
-        return f"; there are {', '.join(known[:MOST_LISTED])}{' ...' if len(known) > MOST_LISTED else ''}"
+        return f"; there are {', '.join(ids[:MOST_LISTED])}{' ...' if len(ids) > MOST_LISTED else ''}"
 
 
 IDS = Ids()
@@ -111,10 +111,10 @@ def scenario_name(scenario: str) -> str:
     Raises:
         IrsimGymError: If the id stands for plain data, from which a run could not be resumed.
     """
-    found = IDS.scenario(scenario)
-    if not isinstance(found, str | Path):
+    scenario_or_path = IDS.scenario(scenario)
+    if not isinstance(scenario_or_path, str | Path):
         raise IrsimGymError(f"'{scenario}' is plain data: save it to a file and name the file")
-    return str(found)
+    return str(scenario_or_path)
 
 
 def _import(module: str, name: str) -> None:
@@ -126,6 +126,6 @@ def _import(module: str, name: str) -> None:
         raise UnknownNameError(f"no environment '{name}': cannot import module '{module}'") from None
 
 
-def _name(one: str) -> str:
+def _name(env_id: str) -> str:
     """Return the name in an id, without namespace and version."""
-    return re.sub(r"-v\d+$", "", one.rpartition("/")[2])
+    return re.sub(r"-v\d+$", "", env_id.rpartition("/")[2])

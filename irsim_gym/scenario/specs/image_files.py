@@ -24,8 +24,8 @@ def image_problem(name: str, scenario_file: str) -> str:
     except (OSError, ValueError):  # too long a name, or one with a null character
         is_there = False
     if not is_there:
-        known = f"; shipped: {', '.join(shipped)}; or name a file beside the scenario"
-        return f"no image {show(name)}{suggestion(name[:40], shipped) or known}"
+        alternatives = f"; shipped: {', '.join(shipped)}; or name a file beside the scenario"
+        return f"no image {show(name)}{suggestion(name[:40], shipped) or alternatives}"
     if file.suffix.lower() not in SUFFIXES:
         return f"must be an image ({', '.join(SUFFIXES)}), got {show(name)}"
     return "" if name in shipped else _unreadable(file, name)

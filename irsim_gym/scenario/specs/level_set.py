@@ -37,8 +37,8 @@ class LevelArray:
 
     def axes_of(self, n_axes: int) -> tuple[str, ...]:
         """Return the names of the axes of an array with ``n_axes`` axes, without axes that it omits."""
-        given = len(self.axes) == n_axes
-        return tuple(axis.strip("[]") for axis in self.axes if given or not axis.startswith("["))
+        has_all = len(self.axes) == n_axes
+        return tuple(axis.strip("[]") for axis in self.axes if has_all or not axis.startswith("["))
 
 
 ARRAYS: Mapping[str, LevelArray] = {
@@ -118,8 +118,8 @@ class LevelSet:
         if len(self.splits) == 1:
             return next(iter(self.splits.values()))
         if split not in self.splits:
-            known = f"{suggestion(split, self.splits)}; it has {', '.join(self.splits)}"
-            raise UnknownNameError(f"{self.file} has no split '{split}'{known}")
+            alternatives = f"{suggestion(split, self.splits)}; it has {', '.join(self.splits)}"
+            raise UnknownNameError(f"{self.file} has no split '{split}'{alternatives}")
         return self.splits[split]
 
     @property
@@ -135,19 +135,19 @@ class LevelSet:
 
     def arrays(self) -> dict[str, NDArray[Any]]:
         """Return the arrays of the file by name, without those that hold only defaults."""
-        found: dict[str, NDArray[Any]] = {"bodies": np.array(self.bodies, np.str_), "start": self.start}
+        arrays: dict[str, NDArray[Any]] = {"bodies": np.array(self.bodies, np.str_), "start": self.start}
         if not np.isnan(self.goal[..., 0]).all():
-            found["goal"] = self.goal if self.goal.shape[2] > 1 else self.goal[:, :, 0]
+            arrays["goal"] = self.goal if self.goal.shape[2] > 1 else self.goal[:, :, 0]
         if not self.present.all():
-            found["present"] = self.present
+            arrays["present"] = self.present
         for rows, start in (("segments", "segment_start"), ("discs", "disc_start")):
             if len(getattr(self, rows)):
-                found |= {rows: getattr(self, rows), start: getattr(self, start)}
-        found |= {name: value for name in ("cells", "random") if (value := getattr(self, name)) is not None}
-        found["splits"] = np.array(list(self.splits), np.str_)
-        found["split_start"] = np.array([*(first for first, _ in self.splits.values()), self.count], np.int64)
-        found["about"] = np.array(json.dumps(self.about, sort_keys=True))
-        return found
+                arrays |= {rows: getattr(self, rows), start: getattr(self, start)}
+        arrays |= {name: value for name in ("cells", "random") if (value := getattr(self, name)) is not None}
+        arrays["splits"] = np.array(list(self.splits), np.str_)
+        arrays["split_start"] = np.array([*(first for first, _ in self.splits.values()), self.count], np.int64)
+        arrays["about"] = np.array(json.dumps(self.about, sort_keys=True))
+        return arrays
 
     def content(self) -> bytes:
         """Return the content of the file; equal levels give equal bytes."""

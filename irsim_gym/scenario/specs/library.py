@@ -107,9 +107,9 @@ def find(name: str | Path, section: str = "scenarios") -> Path:
         return shipped[str(name)]
     if path.is_file() or path.is_dir():
         return path
-    one = section.removesuffix("s")
+    singular = section.removesuffix("s")
     shown = str(name)[:60]
-    here = sorted(file.name for file in Path().glob("*.y*ml") if file.suffix in SUFFIXES)
+    local_files = sorted(file.name for file in Path().glob("*.y*ml") if file.suffix in SUFFIXES)
     offer = f"; shipped: {', '.join(shipped) or 'none'}; a file needs its suffix, .yaml"
-    near = suggestion(shown, [*shipped, *here]) or offer
-    raise UnknownNameError(f"no {one} named '{shown}'{near}")
+    near = suggestion(shown, [*shipped, *local_files]) or offer
+    raise UnknownNameError(f"no {singular} named '{shown}'{near}")

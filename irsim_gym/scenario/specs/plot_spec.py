@@ -167,10 +167,10 @@ COLOR_KEYS = tuple(name for name in ObjectPlot.__annotations__ if name.endswith(
 
 def trailing(bodies: Iterable[Any], learners: Collection[int] = ()) -> list[int]:
     """Return the numbers of the bodies (``BodySpec``) with a drawn path or trail; learners have a path by default."""
-    found = []
+    trailing_bodies = []
     for b, body in enumerate(bodies):
         plot = body.plot
         has_path = b in learners if plot.show_trajectory is None else plot.show_trajectory
         if (has_path or plot.show_trail) and not body.static:
-            found.append(b)
-    return found
+            trailing_bodies.append(b)
+    return trailing_bodies

@@ -223,10 +223,10 @@ class _Expansion:
     def _accept_key(self, key: _Node, value: _Node, place: Place) -> bool:
         name = key.scalar
         if key.error or key.items is not None or key.pairs is not None or not isinstance(name, str):
-            found = "a list or mapping" if key.items is not None or key.pairs is not None else show(name)
+            key_type = "a list or mapping" if key.items is not None or key.pairs is not None else show(name)
             stands_alone = type(name) is int and value.scalar is None and value.items is None and value.pairs is None
             hint = "; decimals have a point, as in 0.1" if stands_alone else ""
-            self._document.problems.append((key.line, place, f"keys must be text, got {found}{hint}"))
+            self._document.problems.append((key.line, place, f"keys must be text, got {key_type}{hint}"))
             return False
         return True
 
@@ -237,9 +237,9 @@ class _Expansion:
             message = other.error or "'<<' merges mappings only"
             self._document.problems.append((other.line, place, message))
             return
-        kept = _Node(other.line, pairs=[pair for pair in other.pairs if pair[0].scalar not in data])
-        if len(kept.pairs or ()) > 0:
-            for name, value in self._mapping(kept, place).items():
+        unset = _Node(other.line, pairs=[pair for pair in other.pairs if pair[0].scalar not in data])
+        if len(unset.pairs or ()) > 0:
+            for name, value in self._mapping(unset, place).items():
                 data.setdefault(name, value)
 
 

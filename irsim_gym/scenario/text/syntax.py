@@ -14,9 +14,9 @@ _WORDS = {
 
 def explain(error: yaml.MarkedYAMLError, text: str) -> tuple[int, str]:
     """Return line and message of a syntax error."""
-    opened, found = error.context_mark, error.problem_mark
+    opened, problem_mark = error.context_mark, error.problem_mark
     rows = text.splitlines()
-    first, last = (min(mark.line + 1, len(rows)) if mark is not None else 0 for mark in (opened, found))
+    first, last = (min(mark.line + 1, len(rows)) if mark is not None else 0 for mark in (opened, problem_mark))
     context, problem = error.context or "", error.problem or "syntax error"
     line = last if "block" in context or not first else first
     for number in (first, last):
@@ -26,14 +26,14 @@ def explain(error: yaml.MarkedYAMLError, text: str) -> tuple[int, str]:
     for beginning, words in _WORDS.items():
         if problem.startswith(beginning):
             return line, f"not valid YAML: {words}"
-    if found is not None and problem.startswith("mapping values are not allowed"):
-        return last, f"not valid YAML: {_colon(rows, last, found.column)}"
-    if opened is not None and found is not None and "flow" in context:
-        unclosed = _unclosed(context, "the end of the file" if found.line >= len(rows) else f"line {last}")
+    if problem_mark is not None and problem.startswith("mapping values are not allowed"):
+        return last, f"not valid YAML: {_colon(rows, last, problem_mark.column)}"
+    if opened is not None and problem_mark is not None and "flow" in context:
+        unclosed = _unclosed(context, "the end of the file" if problem_mark.line >= len(rows) else f"line {last}")
         return first, f"not valid YAML: {unclosed}{_parameter_hint(rows[first - 1 : last])}"
-    if opened is not None and found is not None and "block" in context:
-        row = rows[found.line] if found.line < len(rows) else ""
-        return last, f"not valid YAML: {_misfit(row, found.column, opened.column, first)}"
+    if opened is not None and problem_mark is not None and "block" in context:
+        row = rows[problem_mark.line] if problem_mark.line < len(rows) else ""
+        return last, f"not valid YAML: {_misfit(row, problem_mark.column, opened.column, first)}"
     return line, f"not valid YAML: {', '.join(part for part in (context, problem) if part)}"
 
 
@@ -59,10 +59,10 @@ def _misfit(row: str, column: int, expected: int, first: int) -> str:
     if row[:column].strip():
         rest = row[column:].strip()[:20]
         return f"'{rest}' cannot follow the text before it: there is an extra mark, or two lines are joined"
-    found = len(row) - len(row.lstrip())
-    if found == expected:
+    indent = len(row) - len(row.lstrip())
+    if indent == expected:
         return f"this line does not continue line {first}: either all items begin with '-', or none"
-    return f"indented by {found}, but by {expected} in line {first}: items of one block must begin in the same column"
+    return f"indented by {indent}, but by {expected} in line {first}: items of one block must begin in the same column"
 
 
 def _parameter_hint(rows: list[str]) -> str:

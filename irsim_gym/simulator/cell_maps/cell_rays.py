@@ -113,7 +113,7 @@ def begin_block(turn: Any, across: float, up: float, squares: Bytes, floats: Ray
     aside, above = min(np.float32(across - i), EDGE), min(np.float32(up - j), EDGE)
     right, left, high, low = np.float32(columns - i), np.float32(i + 1), np.float32(rows - j), np.float32(j + 1)
     row, size, none = np.int32(rows), np.int32(columns * rows), np.int32(0)
-    here, twice = np.int32(i * rows + j), np.int32(2 * columns * rows)
+    cell, twice = np.int32(i * rows + j), np.int32(2 * columns * rows)
     for k in range(LANES):
         east = cosine_x * floats[EAST + k] - sine_x * floats[NORTH + k]
         north = sine_y * floats[EAST + k] + cosine_y * floats[NORTH + k]
@@ -129,7 +129,7 @@ def begin_block(turn: Any, across: float, up: float, squares: Bytes, floats: Ray
         floats[COLUMNS + k] = right if east >= NONE else left
         floats[ROWS + k] = high if north >= NONE else low
         # Numbers in the flat table: quadrant 0 to 3 begins at 0, 1, 2, 3 times ``size``; a column is ``row`` entries.
-        quadrant = np.int32(here + (none if east >= NONE else size))
+        quadrant = np.int32(cell + (none if east >= NONE else size))
         integers[FIRST + k] = np.int32(quadrant + (none if north >= NONE else twice))
         integers[STEP_X + k] = row if east >= NONE else np.int32(-row)
         integers[STEP_Y + k] = np.int32(1) if north >= NONE else np.int32(-1)
@@ -190,9 +190,9 @@ def walk_block(squares: Bytes, occupied: Any, floats: Rays, integers: Labels) ->
 def end_block(begin: int, floats: Rays, ranges: Rays) -> None:
     """Shorten the ranges to where the beams of a block have ended."""
     count = min(LANES, ranges.shape[0] - begin)
-    own = ranges[begin : begin + count]
+    block = ranges[begin : begin + count]
     for k in range(count):
-        own[k] = floats[TIME + k] if floats[TIME + k] < own[k] else own[k]
+        block[k] = floats[TIME + k] if floats[TIME + k] < block[k] else block[k]
 
 
 @kernel

@@ -155,9 +155,9 @@ def segment_box_distance2(
     """Return the squared distance [m2] between the segment ab, which may be a point, and an upright box."""
     if max(ax, bx) >= left and min(ax, bx) <= right and max(ay, by) >= low and min(ay, by) <= high:
         # If the boxes overlap, the segment meets the box unless all four corners lie strictly on one side of its line.
-        one, two = side(ax, ay, bx, by, left, low), side(ax, ay, bx, by, right, low)
+        west, two = side(ax, ay, bx, by, left, low), side(ax, ay, bx, by, right, low)
         three, four = side(ax, ay, bx, by, right, high), side(ax, ay, bx, by, left, high)
-        if min(one, two, three, four) <= 0.0 and max(one, two, three, four) >= 0.0:
+        if min(west, two, three, four) <= 0.0 and max(west, two, three, four) >= 0.0:
             return 0.0
     best = min(
         point_segment_distance2(left, low, ax, ay, bx, by),
@@ -294,9 +294,9 @@ def nearest_cell_point(cells: CellMap, x: float, y: float, limit: float) -> tupl
             py = min(max(y, cells.y + j * cells.height), cells.y + (j + 1) * cells.height)
             if cells.radius > 0.0:
                 px, py = nearest_disc_point(cells, i, j, (x, y))
-            here = np.sqrt((px - x) * (px - x) + (py - y) * (py - y))
-            if here < best:
-                best, best_x, best_y = here, px, py
+            distance = np.sqrt((px - x) * (px - x) + (py - y) * (py - y))
+            if distance < best:
+                best, best_x, best_y = distance, px, py
     return best, best_x, best_y
 
 

@@ -15,7 +15,7 @@ def free_cell(grid: Grid, blocked: Bytes, place: Point) -> int:
     """Return the number of the cell that is not blocked and whose centre is nearest to a point, -1 if none is near."""
     # In cells from the centre of cell 0, so that whole numbers are centres; rounding half down finds the own cell.
     column, row = (place[0] - grid.origin_x) / grid.cell - 0.5, (place[1] - grid.origin_y) / grid.cell - 0.5
-    best, found = np.inf, -1
+    best, cell = np.inf, -1
     own_row, own_column = int(np.ceil(row - 0.5)), int(np.ceil(column - 0.5))
     is_inside = 0 <= own_row < grid.rows and 0 <= own_column < grid.columns
     if is_inside and blocked[own_row, own_column] != BLOCKED:
@@ -24,8 +24,8 @@ def free_cell(grid: Grid, blocked: Bytes, place: Point) -> int:
         for j in range(max(own_column - NEAR, 0), min(own_column + NEAR + 1, grid.columns)):
             distance2 = (i - row) * (i - row) + (j - column) * (j - column)
             if blocked[i, j] != BLOCKED and distance2 < best:
-                best, found = distance2, i * grid.columns + j
-    return found
+                best, cell = distance2, i * grid.columns + j
+    return cell
 
 
 @kernel

@@ -54,9 +54,9 @@ def touch_cells(
     """Mark the cells that an occupied cell of the map of world w overlaps."""
     if cells is None:
         return
-    here = map_of(cells, w)
-    boxes = here.boxes
-    for k in range(here.n_boxes):
+    world_map = map_of(cells, w)
+    boxes = world_map.boxes
+    for k in range(world_map.n_boxes):
         left = (cells.x + boxes[k, 0] * cells.width - x) / width
         right = (cells.x + boxes[k, 1] * cells.width - x) / width
         low = (cells.y + boxes[k, 2] * cells.height - y) / height

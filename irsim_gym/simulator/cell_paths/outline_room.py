@@ -29,26 +29,26 @@ class PoseShape(NamedTuple):
 
 
 @kernel
-def lay_outline(own: BodyOutline, pose: Pose, laid: BodyOutline) -> None:
+def lay_outline(outline: BodyOutline, pose: Pose, laid: BodyOutline) -> None:
     """Write an outline as it stands at a pose x, y, heading [m, m, rad].
 
     Args:
-        own: The outline in its body's frame.
+        outline: The outline in its body's frame.
         pose: The pose.
-        laid: Its rows of segments and discs are written; as many as ``own`` has.
+        laid: Its rows of segments and discs are written; as many as ``outline`` has.
     """
     x, y, cosine, sine = pose[0], pose[1], np.cos(pose[2]), np.sin(pose[2])
-    for k in range(own.n_segments):
-        one, other = own.segments[own.first_segment + k], laid.segments[laid.first_segment + k]
-        other[0] = x + (cosine * one[0] - sine * one[1])
-        other[1] = y + (sine * one[0] + cosine * one[1])
-        other[2] = x + (cosine * one[2] - sine * one[3])
-        other[3] = y + (sine * one[2] + cosine * one[3])
-    for k in range(own.n_discs):
-        one, other = own.discs[own.first_disc + k], laid.discs[laid.first_disc + k]
-        other[0] = x + (cosine * one[0] - sine * one[1])
-        other[1] = y + (sine * one[0] + cosine * one[1])
-        other[2] = one[2]
+    for k in range(outline.n_segments):
+        side, other = outline.segments[outline.first_segment + k], laid.segments[laid.first_segment + k]
+        other[0] = x + (cosine * side[0] - sine * side[1])
+        other[1] = y + (sine * side[0] + cosine * side[1])
+        other[2] = x + (cosine * side[2] - sine * side[3])
+        other[3] = y + (sine * side[2] + cosine * side[3])
+    for k in range(outline.n_discs):
+        side, other = outline.discs[outline.first_disc + k], laid.discs[laid.first_disc + k]
+        other[0] = x + (cosine * side[0] - sine * side[1])
+        other[1] = y + (sine * side[0] + cosine * side[1])
+        other[2] = side[2]
 
 
 @kernel

@@ -113,10 +113,10 @@ def mark_passed(scan: OwnScan, w: int, k: int, pose: Floats, grid: Grid, cells: 
             number = line.first
             for n in range(line.lines):
                 # `number` counts along the beam. The offset across is that of the n-th crossing.
-                here = number + int(line.meets + n * line.each) * line.aside
+                quarter = number + int(line.meets + n * line.each) * line.aside
                 number += line.jump
-                states[here] |= PASSED
-                states[here + line.jump] |= PASSED
+                states[quarter] |= PASSED
+                states[quarter + line.jump] |= PASSED
 
 
 @kernel(inlined=True)
@@ -187,13 +187,13 @@ def free_passed(scan: OwnScan, w: int, k: int, pose: Floats, grid: Grid, cells: 
             line = line_between(2.0 * eye.x, 2.0 * eye.y, 2.0 * x, 2.0 * y, columns, rows, ROW)
             is_hit = length < most and 0.0 <= x < grid.columns and 0.0 <= y < grid.rows
             # The quarter at the end of a hit stays occupied; where nothing is hit, none does (-1).
-            kept, number = (line.last if is_hit else -1), line.first + skipped * line.jump
-            count = free_quarter(line.last, kept, cells, doubted, count)
+            hit, number = (line.last if is_hit else -1), line.first + skipped * line.jump
+            count = free_quarter(line.last, hit, cells, doubted, count)
             for n in range(skipped, line.lines):
-                here = number + int(line.meets + n * line.each) * line.aside
+                quarter = number + int(line.meets + n * line.each) * line.aside
                 number += line.jump
-                count = free_quarter(here, kept, cells, doubted, count)
-                count = free_quarter(here + line.jump, kept, cells, doubted, count)
+                count = free_quarter(quarter, hit, cells, doubted, count)
+                count = free_quarter(quarter + line.jump, hit, cells, doubted, count)
     return count
 
 
@@ -208,22 +208,22 @@ def count_empty(line: Line, cells: Bytes) -> int:
     """Return the number of cell boundaries that a beam crosses before one beside an occupied cell."""
     states, number = cells.reshape(-1), line.first
     for n in range(line.lines):
-        here = number + int(line.meets + n * line.each) * line.aside
+        quarter = number + int(line.meets + n * line.each) * line.aside
         number += line.jump
-        if (states[here] | states[here + line.jump]) & OCCUPIED != 0:
+        if (states[quarter] | states[quarter + line.jump]) & OCCUPIED != 0:
             return n
     return line.lines
 
 
 @kernel(inlined=True)
-def free_quarter(number: int, kept: int, cells: Bytes, doubted: Ints, count: int) -> int:
+def free_quarter(number: int, hit: int, cells: Bytes, doubted: Ints, count: int) -> int:
     """Free a quarter, unless it is the one to keep; list it if it was occupied; return the length of the list.
 
     Writes: cells, doubted.
     """
     row, column = number >> BITS, number & (ROW - 1)
     i, j, bit = row >> 1, column >> 1, quarter(row, column)
-    if cells[i, j] & bit != 0 and number != kept:
+    if cells[i, j] & bit != 0 and number != hit:
         # The bit is set, so this clears it.
         cells[i, j] ^= bit
         doubted[count] = number

@@ -102,10 +102,10 @@ def spread_costs(levels: Bytes, source: int, queues: Ints, least: Labels) -> Non
     """
     walls, costs, columns = levels.reshape(-1), least.reshape(-1), levels.shape[1]
     begin_wave(source, queues, costs)
-    here = next_cell(queues, costs)
-    while here >= 0:
-        offer_neighbours(walls, columns, here, queues, costs)
-        here = next_cell(queues, costs)
+    cell = next_cell(queues, costs)
+    while cell >= 0:
+        offer_neighbours(walls, columns, cell, queues, costs)
+        cell = next_cell(queues, costs)
 
 
 @kernel
@@ -139,22 +139,22 @@ def next_cell(queues: Ints, costs: Labels) -> int:
         if chosen < 0:
             return -1
         queues[chosen, HEAD] += 1
-        here = int(best & (2**BITS - 1))
+        cell = int(best & (2**BITS - 1))
         # Else the cell was reached at a lower cost after this entry was made.
-        if best >> BITS == costs[here]:
-            return here
+        if best >> BITS == costs[cell]:
+            return cell
 
 
 @kernel(inlined=True)
-def offer_neighbours(walls: Bytes, columns: int, here: int, queues: Ints, costs: Labels) -> None:
+def offer_neighbours(walls: Bytes, columns: int, cell: int, queues: Ints, costs: Labels) -> None:
     """Put the neighbours of a cell whose cheapest path so far leads through it into the queues.
 
     Writes: costs, queues.
     """
-    cost = int(costs[here])
+    cost = int(costs[cell])
     for k in range(8):
         aside, along = COLUMNS[k], ROWS[k] * columns
-        there = here + aside + along
+        there = cell + aside + along
         # Most neighbours are nearer already.
         if cost + STRAIGHT >= costs[there] or walls[there] == BLOCKED:
             continue
@@ -165,7 +165,7 @@ def offer_neighbours(walls: Bytes, columns: int, here: int, queues: Ints, costs:
         if total >= costs[there]:
             continue
         # No cutting of corners: both cells beside a diagonal step must not be blocked.
-        if k >= 4 and (walls[here + aside] == BLOCKED or walls[here + along] == BLOCKED):
+        if k >= 4 and (walls[cell + aside] == BLOCKED or walls[cell + along] == BLOCKED):
             continue
         costs[there] = total
         queues[q, queues[q, TAIL]] = (total << BITS) + there
@@ -189,30 +189,30 @@ def follow_costs(levels: Bytes, least: Labels, start: int, way: Labels) -> int:
         way: Written, room for all cells.
     """
     walls, costs, columns = levels.reshape(-1), least.reshape(-1), levels.shape[1]
-    here, count, raises = start, 1, costs.shape[0] // 4
+    cell, count, raises = start, 1, costs.shape[0] // 4
     way[0] = start
-    while 0 < costs[here] < NEVER:
-        weight, onward, best = (TIGHT_FACTOR if walls[here] == TIGHT else 1), -1, int(NEVER)
+    while 0 < costs[cell] < NEVER:
+        weight, onward, best = (TIGHT_FACTOR if walls[cell] == TIGHT else 1), -1, int(NEVER)
         for k in range(8):
             aside, along = COLUMNS[k], ROWS[k] * columns
-            there = here + aside + along
+            there = cell + aside + along
             total = costs[there] + (ACROSS if k >= 4 else STRAIGHT) * weight
             # A blocked cell can only be the end of a path, at cost 0.
             if total >= best or (walls[there] == BLOCKED and costs[there] > 0):
                 continue
-            if k < 4 or not (walls[here + aside] == BLOCKED or walls[here + along] == BLOCKED):
+            if k < 4 or not (walls[cell + aside] == BLOCKED or walls[cell + along] == BLOCKED):
                 best, onward = total, there
                 # Explains the cost: no neighbour can be cheaper, as costs are lower bounds.
-                if total <= costs[here]:
+                if total <= costs[cell]:
                     break
-        if best > costs[here]:
+        if best > costs[cell]:
             # A raise, and back to the cell before, whose cost may now be too low in turn.
-            costs[here], raises, count = best, raises - 1, max(count - 1, 1)
-            here = int(way[count - 1])
+            costs[cell], raises, count = best, raises - 1, max(count - 1, 1)
+            cell = int(way[count - 1])
             if raises < 0:
                 return 0
         else:
-            here = onward
-            way[count] = here
+            cell = onward
+            way[count] = cell
             count += 1
-    return count if costs[here] == 0 else 0
+    return count if costs[cell] == 0 else 0

@@ -17,17 +17,17 @@ def find_cell_contacts(worlds: Ints, bodies: Ints, cells: CellMaps, model: Model
         (discs, hit, pose, segments).
     Writes: state (collided, hit).
     """
-    own = cells.body
+    map_body = cells.body
     for w in worlds:
-        here = map_of(cells, w)
+        grid = map_of(cells, w)
         for b in bodies:
-            if b == own or model.unobstructed[b] or not model.present[w, b] or not model.present[w, own]:
+            if b == map_body or model.unobstructed[b] or not model.present[w, b] or not model.present[w, map_body]:
                 continue
             # The origin is certainly farther from all occupied cells than the outline reaches.
-            if room_about(here, state.pose[w, b, 0], state.pose[w, b, 1])[0] > model.reach[row_of(model.reach, w), b]:
+            if room_about(grid, state.pose[w, b, 0], state.pose[w, b, 1])[0] > model.reach[row_of(model.reach, w), b]:
                 continue
-            if outline_meets_cells(here, outline_of(model, state, w, b)):
-                note_contact(w, b, own, state)
+            if outline_meets_cells(grid, outline_of(model, state, w, b)):
+                note_contact(w, b, map_body, state)
 
 
 @kernel
@@ -40,14 +40,14 @@ def measure_cell_clearance(
         segments).
     Writes: distance.
     """
-    own = cells.body
+    map_body = cells.body
     for w in worlds:
-        here = map_of(cells, w)
+        grid = map_of(cells, w)
         for k in range(bodies.shape[0]):
             b = bodies[k]
-            if b == own or not model.present[w, own]:
+            if b == map_body or not model.present[w, map_body]:
                 continue
-            least = room_about(here, state.pose[w, b, 0], state.pose[w, b, 1])[0]
+            least = room_about(grid, state.pose[w, b, 0], state.pose[w, b, 1])[0]
             # No nearer than the origin's least distance minus the reach: measure only if that may lower the distance.
             if least - model.reach[row_of(model.reach, w), b] < distance[w, k]:
-                distance[w, k] = outline_cells_distance(here, outline_of(model, state, w, b), distance[w, k])
+                distance[w, k] = outline_cells_distance(grid, outline_of(model, state, w, b), distance[w, k])

@@ -123,20 +123,20 @@ def find_contacts(worlds: Ints, bodies: Ints, is_static: bool, model: Model, sta
     for w in worlds:
         if is_static and model.static_known[w]:
             continue
-        here, there, discs = state.pose[w], model.present[w], state.discs[w]
+        poses, there, discs = state.pose[w], model.present[w], state.discs[w]
         reaches = model.reach[row_of(model.reach, w)]
         n_segments = model.segment_count[row_of(model.segment_count, w)]
         n_discs = model.disc_count[row_of(model.disc_count, w)]
         for b in bodies:
             if model.unobstructed[b] or not there[b]:
                 continue
-            x, y, own, moves, d = here[b, 0], here[b, 1], reaches[b], model.movable[b], model.disc_start[b]
+            x, y, radius, moves, d = poses[b, 0], poses[b, 1], reaches[b], model.movable[b], model.disc_start[b]
             is_disc = n_segments[b] == 0 and n_discs[b] == 1
             # A gap of 0 means unknown; asking for it first saves the square root of ``room_left``.
             if is_disc and state.room[w, b].gap > SURE and room_left(discs[d], state.room[w, b]) > 0.0:
                 continue
             for q in range(there.shape[0]):
-                dx, dy, near = here[q, 0] - x, here[q, 1] - y, own + reaches[q]
+                dx, dy, near = poses[q, 0] - x, poses[q, 1] - y, radius + reaches[q]
                 # Farther apart than both reaches: no contact. The factor keeps pairs that just touch despite rounding.
                 if dx * dx + dy * dy > near * near * (1.0 + 1e-12) or q == b or model.unobstructed[q] or not there[q]:
                     continue
@@ -225,17 +225,17 @@ def measure_clearance(
     Writes: state (room), distance.
     """
     for w in worlds:
-        here, there, discs = state.pose[w], model.present[w], state.discs[w]
+        poses, there, discs = state.pose[w], model.present[w], state.discs[w]
         reaches = model.reach[row_of(model.reach, w)]
         n_segments = model.segment_count[row_of(model.segment_count, w)]
         n_discs = model.disc_count[row_of(model.disc_count, w)]
         for k in range(bodies.shape[0]):
             # ``limit`` may be ``distance`` itself: an entry is read here and overwritten below.
             b, best = bodies[k], limit[w, k]
-            x, y, own, d = here[b, 0], here[b, 1], reaches[b], model.disc_start[b]
+            x, y, radius, d = poses[b, 0], poses[b, 1], reaches[b], model.disc_start[b]
             is_disc = n_segments[b] == 0 and n_discs[b] == 1
             for q in range(there.shape[0]):
-                dx, dy, near = here[q, 0] - x, here[q, 1] - y, best + own + reaches[q]
+                dx, dy, near = poses[q, 0] - x, poses[q, 1] - y, best + radius + reaches[q]
                 # Even if both outlines reach towards each other as far as they can, q is not nearer than ``best``.
                 if dx * dx + dy * dy >= near * near or q == b or model.unobstructed[q] or not there[q]:
                     continue

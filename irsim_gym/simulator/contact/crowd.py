@@ -22,22 +22,22 @@ def find_near_contacts(worlds: Ints, bodies: Ints, model: Model, state: State) -
     """
     frame = model.bucket_frame[0]
     for w in worlds:
-        found, first, following = state.nearby[w], state.bucket_first[w], state.bucket_next[w]
-        here, there = state.pose[w], model.present[w]
+        nearby, first, following = state.nearby[w], state.bucket_first[w], state.bucket_next[w]
+        poses, there = state.pose[w], model.present[w]
         reaches = model.reach[row_of(model.reach, w)]
         for b in bodies:
             if model.unobstructed[b] or not there[b]:
                 continue
             moves = model.movable[b]
-            x, y, within = here[b, 0], here[b, 1], reaches[b] * ROUNDING + frame.reach
-            for j in range(gather_nearby(x, y, within, frame, first, following, found)):
-                q = found[j]
+            x, y, within = poses[b, 0], poses[b, 1], reaches[b] * ROUNDING + frame.reach
+            for j in range(gather_nearby(x, y, within, frame, first, following, nearby)):
+                q = nearby[j]
                 if q == b or model.unobstructed[q] or not there[q]:
                     continue
                 # One test for each pair, see ``contact.find_contacts``.
                 if (model.movable[q] == moves and q < b) or (model.movable[q] and not moves):
                     continue
-                dx, dy, near = here[q, 0] - x, here[q, 1] - y, reaches[b] + reaches[q]
+                dx, dy, near = poses[q, 0] - x, poses[q, 1] - y, reaches[b] + reaches[q]
                 if dx * dx + dy * dy > near * near * (1.0 + 1e-12):
                     continue
                 whole = outline_of(model, state, w, b)
@@ -60,21 +60,21 @@ def measure_near_clearance(
     """
     frame = model.bucket_frame[0]
     for w in worlds:
-        found, first, following = state.nearby[w], state.bucket_first[w], state.bucket_next[w]
-        here, there, discs = state.pose[w], model.present[w], state.discs[w]
+        nearby, first, following = state.nearby[w], state.bucket_first[w], state.bucket_next[w]
+        poses, there, discs = state.pose[w], model.present[w], state.discs[w]
         reaches = model.reach[row_of(model.reach, w)]
         n_segments = model.segment_count[row_of(model.segment_count, w)]
         n_discs = model.disc_count[row_of(model.disc_count, w)]
         for k in range(bodies.shape[0]):
             b, best = bodies[k], limit[w, k]
-            x, y, own, d = here[b, 0], here[b, 1], reaches[b], model.disc_start[b]
+            x, y, radius, d = poses[b, 0], poses[b, 1], reaches[b], model.disc_start[b]
             is_disc = n_segments[b] == 0 and n_discs[b] == 1
             # The first search finds every body whose outline is less than the side of a square away.
-            within, is_open = own + frame.reach + frame.side, True
+            within, is_open = radius + frame.reach + frame.side, True
             while is_open:
-                for j in range(gather_nearby(x, y, within, frame, first, following, found)):
-                    q = found[j]
-                    dx, dy, near = here[q, 0] - x, here[q, 1] - y, best + own + reaches[q]
+                for j in range(gather_nearby(x, y, within, frame, first, following, nearby)):
+                    q = nearby[j]
+                    dx, dy, near = poses[q, 0] - x, poses[q, 1] - y, best + radius + reaches[q]
                     if dx * dx + dy * dy >= near * near or q == b or model.unobstructed[q] or not there[q]:
                         continue
                     other = outline_of(model, state, w, q)
@@ -85,7 +85,7 @@ def measure_near_clearance(
                         best = min(best, outline_distance(whole, other, best))
                 # A body that the search missed has its origin beyond ``within``, so its outline is farther than
                 # ``within`` - own - frame.reach. Once ``best`` is no more than that, nothing nearer can be outside.
-                is_open = best + own + frame.reach > within and not holds_all(x, y, within, frame)
+                is_open = best + radius + frame.reach > within and not holds_all(x, y, within, frame)
                 within *= 2.0
             distance[w, k] = best
 

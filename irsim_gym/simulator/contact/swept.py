@@ -197,7 +197,7 @@ def next_contact(
         state (discs, hit, pose, segments).
     Writes: state (collided, discs, hit, pose, segments).
     """
-    best, first, second, own = NEVER, -1, -1, model.map_frame[0].body
+    best, first, second, map_body = NEVER, -1, -1, model.map_frame[0].body
     start, change, reaches = sweep.start[w], sweep.change[w], model.reach[row_of(model.reach, w)]
     for b in sweep.movers:
         if not sweep.goes[w, b] or model.unobstructed[b]:
@@ -208,9 +208,9 @@ def next_contact(
             y, dy = start[b, 1] - start[q, 1], change[b, 1] - change[q, 1]
             # Origins whose distance exceeds both reaches, all along the way. The boxes tell most of them.
             is_far = max(abs(x) - abs(dx), abs(y) - abs(dy)) > near
-            if q != own and (is_far or point_segment_distance2(0.0, 0.0, x, y, x + dx, y + dy) > near * near):
+            if q != map_body and (is_far or point_segment_distance2(0.0, 0.0, x, y, x + dx, y + dy) > near * near):
                 continue
-            if q == b or not model.present[w, q] or (model.unobstructed[q] and q != own):
+            if q == b or not model.present[w, q] or (model.unobstructed[q] and q != map_body):
                 continue
             # One test for each pair: of two that move, the one with the lower number makes it.
             if sweep.goes[w, q] and q < b:
@@ -303,11 +303,11 @@ def outline_time(
     Writes: state (discs, pose, segments).
     """
     reaches, is_map = model.reach[row_of(model.reach, w)], q == model.map_frame[0].body
-    one, other = sweep.change[w, b], sweep.change[w, q]
-    dx, dy = one[0] - other[0], one[1] - other[1]
+    change, other = sweep.change[w, b], sweep.change[w, q]
+    dx, dy = change[0] - other[0], change[1] - other[1]
     # No two points of the outlines come nearer to each other than by this in a whole step.
-    most = np.sqrt(dx * dx + dy * dy) + abs(one[2]) * reaches[b] + abs(other[2]) * reaches[q]
-    time, found = max(sweep.since[w, b], sweep.since[w, q]), NEVER
+    most = np.sqrt(dx * dx + dy * dy) + abs(change[2]) * reaches[b] + abs(other[2]) * reaches[q]
+    time, touch = max(sweep.since[w, b], sweep.since[w, q]), NEVER
     while time <= 1.0:
         put(w, b, time, sweep, model, state)
         put(w, q, time, sweep, model, state)
@@ -317,9 +317,9 @@ def outline_time(
         else:
             gap = outline_distance(outline, outline_of(model, state, w, q), np.inf)
         if gap <= 0.0:
-            found = time
+            touch = time
             break
         time += max(gap, FINEST, most / MOST) / most
     put(w, b, 0.0, sweep, model, state)
     put(w, q, 0.0, sweep, model, state)
-    return float(found)
+    return float(touch)

@@ -53,7 +53,7 @@ def collect_parts(
     matter = lay_matter(scenario, model) if is_weighed(scenario) else None
     context = make_context(scenario, model, scanners, matter, lay_pushing(scenario, matter, model, n_slots))
     kinematics = _kinematics(scenario, model, matter)
-    placements, given = _placements(scenario, model, n_slots), given_bodies(scenario)
+    placements, placed = _placements(scenario, model, n_slots), given_bodies(scenario)
     for group in (*group_behaviors, *behaviors, *kinematics, *scanners, *placements):
         group.names, group.context = names, context
     for group in (*behaviors, *kinematics):
@@ -74,8 +74,8 @@ def collect_parts(
         maps=_maps(scenario, model, n_slots),
         placements=placements,
         levels=lay_levels(scenario, model, n_slots),
-        free=[group for group in placements if not given[group.members].all()],
-        promised=_promised(placements, given, model),
+        free=[group for group in placements if not placed[group.members].all()],
+        promised=_promised(placements, placed, model),
         sensors=scanners,
         movers=everyone if external else movers,
         fixed=everyone[:0] if external else np.flatnonzero(~model.movable),
@@ -134,12 +134,12 @@ def _place(scenario: Scenario, body: BodySpec) -> str:
 
 def group_members(members: Sequence[Member], key: Callable[[Any], Any] = type) -> list[Group]:
     """Return one group for each distinct key, in the order of first appearance."""
-    found: dict[Any, list[Member]] = {}
+    groups: dict[Any, list[Member]] = {}
     for member in members:
-        found.setdefault(key(member[1]), []).append(member)
+        groups.setdefault(key(member[1]), []).append(member)
     return [
         Group(type(same[0][1]), [options for _, options in same], np.array([b for b, _ in same], np.int64))
-        for same in found.values()
+        for same in groups.values()
     ]
 
 
@@ -240,19 +240,19 @@ def _placements(scenario: Scenario, model: Model, n_slots: int) -> list[Group]:
     return groups
 
 
-def _promised(placements: Sequence[Group], given: Flags, model: Model) -> list[Group]:
+def _promised(placements: Sequence[Group], placed: Flags, model: Model) -> list[Group]:
     """Return the bodies whose ways have to be proved again, since bodies that stand are placed after them."""
     keeps_goal = model.has_goal & ((model.goal_renewal != WANDER) | model.wandering["keeps_first"])
-    found, followed = [], False
+    promises, followed = [], False
     for group in reversed(placements):
         chosen = []
         for k, b in reversed(list(enumerate(group.members))):
-            if followed and keeps_goal[b] and not given[b]:
+            if followed and keeps_goal[b] and not placed[b]:
                 chosen.append(k)
-            followed = followed or bool(model.stands[b] and not model.unobstructed[b] and not given[b])
+            followed = followed or bool(model.stands[b] and not model.unobstructed[b] and not placed[b])
         if chosen and group.options[0].ensures_way and hasattr(group.kind, "confirm"):
-            found.append(group.select(np.array(chosen[::-1])))
-    return found[::-1]
+            promises.append(group.select(np.array(chosen[::-1])))
+    return promises[::-1]
 
 
 def _turn(spec: PlacementSpec) -> int:

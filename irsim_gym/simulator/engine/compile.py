@@ -207,8 +207,8 @@ def _write_motion(b: int, body: BodySpec, model: Model, *, is_agent: bool) -> No
 
 def _wheelbase(body: BodySpec) -> float:
     """Return the axle distance [m] of the drive, else of the shape; NaN if neither has one above 0."""
-    given = (getattr(body.kinematics, "wheelbase", None), getattr(body.shape, "wheelbase", None))
-    return next((float(value) for value in given if value), np.nan)
+    lengths = (getattr(body.kinematics, "wheelbase", None), getattr(body.shape, "wheelbase", None))
+    return next((float(value) for value in lengths if value), np.nan)
 
 
 @dataclass(frozen=True)

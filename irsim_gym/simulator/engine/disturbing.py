@@ -43,19 +43,19 @@ def disturb(scenario: Scenario, agents: tuple[int, ...], model: Model, state: St
     Raises:
         ScenarioError: A disturbance does not fit its robot.
     """
-    given = [(b, one) for b in scenario.robots for one in scenario.bodies[b].disturbances]
-    given += [(b, one) for b in agents for one in scenario.disturbances]
+    given = [(b, item) for b in scenario.robots for item in scenario.bodies[b].disturbances]
+    given += [(b, item) for b in agents for item in scenario.disturbances]
     if not given:
         return Disturbances()
     _check(scenario, given, model)
     found, kinds = Disturbances(), [entry.kind for entry in DISTURBANCES]
-    by_kind = [(kind, members) for kind in kinds if (members := [one for one in given if type(one[1]) is kind])]
+    by_kind = [(kind, members) for kind in kinds if (members := [item for item in given if type(item[1]) is kind])]
     for turn in parts.turns:
         turn.commands, turn.motions = (
             [
                 _group(kind, chosen, model)
                 for kind, members in by_kind
-                if kind.acts_on == what and (chosen := [one for one in members if one[0] in turn.movers])
+                if kind.acts_on == what and (chosen := [item for item in members if item[0] in turn.movers])
             ]
             for what in ("command", "motion")
         )
@@ -63,16 +63,16 @@ def disturb(scenario: Scenario, agents: tuple[int, ...], model: Model, state: St
         turn.moved = replace(state, velocity=np.zeros_like(state.velocity)) if turn.motions else None
         found.groups += [*turn.commands, *turn.motions]
     looks = [(kind, members, sensor) for kind, members in by_kind if kind.acts_on in LOOKS for sensor in parts.sensors]
-    scans = [_scan_group(*one, model) for one in looks if _seen(*one[1:])]
+    scans = [_scan_group(*item, model) for item in looks if _seen(*item[1:])]
     found.mounts, found.scans = ([group for group in scans if group.kind.acts_on == what] for what in LOOKS)
     found.groups += scans
-    found.outlines = [_group(*one, model) for one in by_kind if one[0].acts_on == "outline"]
+    found.outlines = [_group(*item, model) for item in by_kind if item[0].acts_on == "outline"]
     if found.outlines:
-        known = np.isin(np.arange(len(model.role)), np.concatenate([group.members for group in found.outlines]))
-        found.known, found.reach = replace(model, reach=model.reach.copy()), np.where(known, model.reach[0], np.nan)
-    believers = [b for b, one in given if one.acts_on in BELIEVED]
+        resized = np.isin(np.arange(len(model.role)), np.concatenate([group.members for group in found.outlines]))
+        found.known, found.reach = replace(model, reach=model.reach.copy()), np.where(resized, model.reach[0], np.nan)
+    believers = [b for b, item in given if item.acts_on in BELIEVED]
     if believers and parts.turns:
-        errors = [_group(*one, model) for one in by_kind if one[0].acts_on == "belief"]
+        errors = [_group(*item, model) for item in by_kind if item[0].acts_on == "belief"]
         found.belief = _belief(believers, errors, parts.kinematics, state)
         found.groups += errors
     return found
@@ -95,25 +95,25 @@ def _is_noisy(drive: Group) -> bool:
     return any(getattr(options, "noise", False) for options in drive.options)
 
 
-def _check(scenario: Scenario, given: Sequence[Member], model: Model) -> None:
+def _check(scenario: Scenario, members: Sequence[Member], model: Model) -> None:
     problems = []
-    for b, one in given:
+    for b, item in members:
         body = scenario.bodies[b]
         fits, needs = bool(model.movable[b]), NEEDS_DRIVE
-        if one.acts_on in LOOKS:
+        if item.acts_on in LOOKS:
             fits, needs = any(map(_has_ranges, body.sensors)), NEEDS_SCAN
-        elif one.acts_on == "outline":
+        elif item.acts_on == "outline":
             is_disc = model.disc_count[0, b] == 1 and model.segment_count[0, b] == 0
             fits, needs = is_disc and not body.shape.is_random, NEEDS_CIRCLE
         if not fits:
-            why = f"'{DISTURBANCES.name_of(type(one))}' {needs}"
+            why = f"'{DISTURBANCES.name_of(type(item))}' {needs}"
             problems.append(Problem(body.line, f"{body.name}.disturbances", why))
     if problems:
         raise ScenarioError(scenario.file or scenario.name, problems)
 
 
 def _group(kind: type[Any], members: Sequence[Member], model: Model) -> Group:
-    return _prepared(Group(kind, [one for _, one in members], np.array([b for b, _ in members], np.int64)), model)
+    return _prepared(Group(kind, [item for _, item in members], np.array([b for b, _ in members], np.int64)), model)
 
 
 def _has_ranges(sensor: Any) -> bool:
@@ -127,7 +127,7 @@ def _seen(members: Sequence[Member], sensor: Group) -> bool:
 
 def _scan_group(kind: type[Any], members: Sequence[Member], sensor: Group, model: Model) -> Group:
     """Return the members of a kind whose scans a group of sensors writes, each once for each of its sensors."""
-    rows = [(b, one, k) for b, one in members for k in np.flatnonzero(sensor.members == b).tolist()]
+    rows = [(b, item, k) for b, item in members for k in np.flatnonzero(sensor.members == b).tolist()]
     scan: OwnScan = own_scan(sensor, np.array([k for _, _, k in rows], np.int64))
     group = Group(kind, [one for _, one, _ in rows], np.array([b for b, _, _ in rows], np.int64), scan=scan)
     if hasattr(sensor.tables, "offset"):
@@ -138,7 +138,7 @@ def _scan_group(kind: type[Any], members: Sequence[Member], sensor: Group, model
 def _prepared(group: Group, model: Model) -> Group:
     """Return a group with what its levels draw."""
     shape, name = (len(model.present), len(group.members)), DISTURBANCES.name_of(group.kind)
-    ends = np.array([list(drawn_ends(one).values()) for one in group.options], np.float64).reshape(shape[1], -1, 2)
+    ends = np.array([list(drawn_ends(item).values()) for item in group.options], np.float64).reshape(shape[1], -1, 2)
     numbers = [int((group.members[:k] == b).sum()) for k, b in enumerate(group.members)]
     keys = [rng.stream_base(name, f"{b} {i}") for b, i in zip(group.members, numbers, strict=True)]
     group.tables = Disturbed(

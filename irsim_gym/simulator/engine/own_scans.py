@@ -29,11 +29,11 @@ def with_scans(group: Group, bodies: Sequence[object], sensors: Sequence[Group])
     if not reads.all():
         blind, rest = (_part(group, np.flatnonzero(chosen)) for chosen in (~reads, reads))
         return [blind, *with_scans(rest, bodies, sensors)]
-    found = [find_sensor(bodies, sensors, b, RANGES) for b in group.members.tolist()]
+    pairs = [find_sensor(bodies, sensors, b, RANGES) for b in group.members.tolist()]
     # Distinct groups of sensors, in the order of members; ``place`` numbers each member's group among them.
-    own = list({id(item[0]): item[0] for item in found if item is not None}.values())
-    numbers = np.array([-1 if item is None else item[1] for item in found], np.int64)
-    place = np.array([0 if item is None else own.index(item[0]) for item in found], np.int64)
+    own = list({id(item[0]): item[0] for item in pairs if item is not None}.values())
+    numbers = np.array([-1 if item is None else item[1] for item in pairs], np.int64)
+    place = np.array([0 if item is None else own.index(item[0]) for item in pairs], np.int64)
     parts = [np.flatnonzero(place == i) for i in range(len(own))]
     return [_part(group, part, own_scan(scanners, numbers[part])) for part, scanners in zip(parts, own, strict=True)]
 
@@ -45,8 +45,8 @@ def _part(group: Group, chosen: Ints, scan: OwnScan | None = None) -> Group:
 
 def own_scan(sensors: Group, members: Ints) -> OwnScan:
     """Return the scans that some members of a group of range sensors write."""
-    offset = np.array([getattr(one, "offset", (0.0, 0.0, 0.0)) for one in sensors.options], np.float64)
-    angles = np.array([one.angles() for one in sensors.options], np.float64) + offset[:, 2:]
+    offset = np.array([getattr(sensor, "offset", (0.0, 0.0, 0.0)) for sensor in sensors.options], np.float64)
+    angles = np.array([sensor.angles() for sensor in sensors.options], np.float64) + offset[:, 2:]
     return OwnScan(
         sensors=members,
         ranges=sensors.arrays[RANGES],
@@ -54,6 +54,6 @@ def own_scan(sensors: Group, members: Ints) -> OwnScan:
         beams_x=np.cos(angles),
         beams_y=np.sin(angles),
         offset=offset,
-        range_min=np.array([getattr(one, "range_min", 0.0) for one in sensors.options], np.float64),
-        range_max=np.array([getattr(one, "range_max", np.inf) for one in sensors.options], np.float64),
+        range_min=np.array([getattr(sensor, "range_min", 0.0) for sensor in sensors.options], np.float64),
+        range_max=np.array([getattr(sensor, "range_max", np.inf) for sensor in sensors.options], np.float64),
     )

@@ -56,7 +56,7 @@ class Simulation:
 
     def __repr__(self) -> str:
         counts = (self.n_worlds, "world"), (len(self.scenario.robots), "robot"), (len(self.agents), "agent")
-        return f"<Simulation {self.scenario.label}: {', '.join(several(*one) for one in counts)}>"
+        return f"<Simulation {self.scenario.label}: {', '.join(several(*count) for count in counts)}>"
 
     def fuse(self, function: Callable[[Shard], None], kinds: Iterable[object] = ()) -> Fused:
         """Return a function of a shard as one compiled call, where it consists of kernels alone.
@@ -101,8 +101,8 @@ class Simulation:
     @property
     def known(self) -> Model:
         """The constants as robots know them: ``model`` itself, unless their footprints are disturbed."""
-        known = self.parts.disturbances.known
-        return self.model if known is None else known
+        model = self.parts.disturbances.known
+        return self.model if model is None else model
 
     @property
     def sensors(self) -> list[Group]:
@@ -159,10 +159,10 @@ class Simulation:
         spec = self.scenario.bodies[body]
         if spec.fov is None or spec.fov_radius is None:
             raise UnknownNameError(f"'{self.parts.names[body]}' has no field of view: give it fov and fov_radius")
-        found = np.zeros(self.model.present.shape, np.bool_)
+        seen = np.zeros(self.model.present.shape, np.bool_)
         chosen = np.arange(self.n_worlds, dtype=np.int64) if worlds is None else np.asarray(worlds, np.int64)
-        field_of_view.detect(chosen, body, spec.fov, spec.fov_radius, self.model, self.state, found)
-        return found
+        field_of_view.detect(chosen, body, spec.fov, spec.fov_radius, self.model, self.state, seen)
+        return seen
 
     def run(self, function: Callable[[Shard], None], worlds: Ints | None = None) -> None:
         """Call ``function`` with shards of the given worlds (all by default), on several threads if there are any.
@@ -318,25 +318,25 @@ class Simulation:
             self.run(self._advance)
             return
         chosen = self.agents if bodies is None else check_bodies(bodies, self.scenario)
-        given = check_commands(commands, chosen, self.scenario, self.n_worlds)
+        array = check_commands(commands, chosen, self.scenario, self.n_worlds)
         if bodies is not None:
-            self._step_with(chosen, given)
+            self._step_with(chosen, array)
             return
-        self.state.command[:, self.agents, : given.shape[-1]] = given
+        self.state.command[:, self.agents, : array.shape[-1]] = array
         self.run(self._advance)
 
-    def _step_with(self, bodies: Ints, given: Floats) -> None:
+    def _step_with(self, bodies: Ints, commands: Floats) -> None:
         model, state = self.model, self.state
         orders = Orders(bodies, np.zeros((self.n_worlds, len(bodies), 3)))
-        orders.commands[..., : given.shape[-1]] = given
-        driven, kept = model.driven[bodies], state.command[:, bodies]
+        orders.commands[..., : commands.shape[-1]] = commands
+        driven, earlier = model.driven[bodies], state.command[:, bodies]
         # For a body that nobody drives, ``limit_velocity`` would take a command of zeros as no command, and stop it at
         # once.
         model.driven[bodies] = True
         try:
             self.run(lambda shard: advance(self.parts, model, state, shard, orders))
         finally:
-            model.driven[bodies], state.command[:, bodies] = driven, kept
+            model.driven[bodies], state.command[:, bodies] = driven, earlier
 
     def place(self, bodies: Ints) -> None:
         """Move bodies to the poses in ``state.pose``, with the velocities in ``state.velocity``.

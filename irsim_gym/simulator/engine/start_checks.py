@@ -22,10 +22,10 @@ def refuse_blocked_starts(scenario: Scenario, parts: Parts, model: Model, state:
     Raises:
         ScenarioError: With the line of every such robot.
     """
-    found = find_blocked_starts(scenario, parts, model, state)
+    blocked = find_blocked_starts(scenario, parts, model, state)
     advice = "; a robot must begin clear of static obstacles; irsim_gym.load runs the file all the same"
-    if found:
-        problems = [replace(problem, message=problem.message + advice) for problem in found]
+    if blocked:
+        problems = [replace(problem, message=problem.message + advice) for problem in blocked]
         raise ScenarioError(scenario.file or scenario.name, problems)
 
 
@@ -35,10 +35,10 @@ def find_blocked_starts(scenario: Scenario, parts: Parts, model: Model, state: S
     Nobody is blocked if collisions hold nobody in place. The test uses the first world, before its first level.
     """
     # Only what the file fixes can be blamed on it: neither drawn places nor outlines that levels change.
-    given = ~np.array([scenario.placements[body.entry].kind.is_random for body in scenario.bodies], np.bool_)
-    given &= ~varied_outlines(scenario) & ~given_bodies(scenario)
-    robots = np.flatnonzero(given & model.movable & (model.role == ROBOT))
-    walls = given & ~model.movable
+    fixed = ~np.array([scenario.placements[body.entry].kind.is_random for body in scenario.bodies], np.bool_)
+    fixed &= ~varied_outlines(scenario) & ~given_bodies(scenario)
+    robots = np.flatnonzero(fixed & model.movable & (model.role == ROBOT))
+    walls = fixed & ~model.movable
     if not len(robots) or not walls.any() or model.collision_mode[0] == UNOBSTRUCTED:
         return ()
     shard = Shard(np.zeros(1, np.int64))

@@ -15,11 +15,11 @@ def telemetry(simulation: Simulation, world: int, bodies: Ints) -> list[dict[str
     model, state = simulation.model, simulation.state
     clearance: Floats = np.zeros((simulation.n_worlds, len(bodies)))
     simulation.run(lambda shard: simulation.clearance(shard, bodies, clearance), np.array([world]))
-    found = []
+    rows = []
     for k, body in enumerate(bodies.tolist()):
         x, y, turn_rate = state.twist[world, body].tolist()
         numbers = {"speed": float(np.hypot(x, y)), "turn_rate": turn_rate, "clearance": float(clearance[world, k])}
         if model.has_goal[body]:
             numbers["goal_distance"] = float(state.goal_distance[world, body])
-        found.append(numbers if model.present[world, body] else {})
-    return found
+        rows.append(numbers if model.present[world, body] else {})
+    return rows

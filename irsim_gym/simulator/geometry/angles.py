@@ -55,17 +55,17 @@ def wrap_from(angle: float, low: float) -> float:
 
 
 @kernel(inlined=True)
-def turned(heading: float, known: Floats) -> tuple[float, float]:
+def turned(heading: float, direction: Floats) -> tuple[float, float]:
     """Return cosine and sine of a heading [rad].
 
     Args:
         heading: The heading.
-        known: Cosine and sine of a heading, and that heading [rad]. If it equals ``heading``, these are returned. Zeros
-            if nothing is known.
+        direction: Cosine and sine of a heading, and that heading [rad]. If it equals ``heading``, these are returned.
+            Zeros if nothing is known.
     """
     # Whoever writes a pose need not report it: its heading differs from that of the numbers, which are then not used.
-    if known[2] == heading and known[0] * known[0] + known[1] * known[1] > 0.0:
-        return known[0], known[1]
+    if direction[2] == heading and direction[0] * direction[0] + direction[1] * direction[1] > 0.0:
+        return direction[0], direction[1]
     return np.cos(heading), np.sin(heading)
 
 

@@ -56,7 +56,7 @@ def unlink(b: int, place: int, first: Ints, following: Ints) -> None:
 
 
 @kernel
-def find_nearby(x: float, y: float, radius: float, frame: Record, first: Ints, following: Ints, found: Ints) -> int:
+def find_nearby(x: float, y: float, radius: float, frame: Record, first: Ints, following: Ints, nearby: Ints) -> int:
     """Write the indices of the bodies that may lie near a point in ascending order, and return their number.
 
     All bodies whose origin is within ``radius`` are included, and all that are too large for the buckets. Others may be
@@ -69,11 +69,11 @@ def find_nearby(x: float, y: float, radius: float, frame: Record, first: Ints, f
         frame: Where the squares lie, see ``BUCKET_FRAME``.
         first: First body of each bucket, -1 for none, shape ``(bucket,)``.
         following: Next body of the same bucket, -1 for none, shape ``(body,)``.
-        found: Written, shape ``(body,)``.
+        nearby: Written, shape ``(body,)``.
     """
-    count = gather_nearby(x, y, radius, frame, first, following, found)
+    count = gather_nearby(x, y, radius, frame, first, following, nearby)
     if frame.columns > 0:
-        put_in_order(found, count)
+        put_in_order(nearby, count)
     return count
 
 
@@ -97,18 +97,18 @@ def put_in_order(numbers: Ints, count: int) -> None:
 
 
 @kernel
-def gather_nearby(x: float, y: float, radius: float, frame: Record, first: Ints, following: Ints, found: Ints) -> int:
+def gather_nearby(x: float, y: float, radius: float, frame: Record, first: Ints, following: Ints, nearby: Ints) -> int:
     """Write what ``find_nearby`` writes, in any order. Sorting takes half of the time of ``find_nearby``."""
     columns, rows = frame.columns, frame.rows
     if columns == 0:
         for b in range(following.shape[0]):
-            found[b] = b
+            nearby[b] = b
         return int(following.shape[0])
     count = 0
     # The bucket behind the last square holds the large bodies.
     b = first[columns * rows]
     while b >= 0:
-        found[count] = b
+        nearby[count] = b
         count += 1
         b = following[b]
     low = square_of(x - radius, frame.x, frame.side, columns)
@@ -119,7 +119,7 @@ def gather_nearby(x: float, y: float, radius: float, frame: Record, first: Ints,
         for column in range(low, high + 1):
             b = first[row * columns + column]
             while b >= 0:
-                found[count] = b
+                nearby[count] = b
                 count += 1
                 b = following[b]
     return count

@@ -61,8 +61,8 @@ def solve(planes: Records, count: int, limit: float, x: float, y: float, farthes
     for i in range(count):
         if planes[i].nx * best_x + planes[i].ny * best_y < planes[i].least:
             # A half-plane that cuts off the optimum so far: the new optimum lies on its border.
-            next_x, next_y, found = best_on_border(planes, i, limit, x, y, farthest)
-            if not found:
+            next_x, next_y, feasible = best_on_border(planes, i, limit, x, y, farthest)
+            if not feasible:
                 return best_x, best_y, i
             best_x, best_y = next_x, next_y
     return best_x, best_y, count

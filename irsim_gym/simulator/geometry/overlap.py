@@ -44,7 +44,7 @@ def outline_distance(a: BodyOutline, b: BodyOutline, limit: float) -> float:
     best = disc_segment_distance(a, b, best)
     best = disc_segment_distance(b, a, best)
     best2 = best * best
-    found = False
+    inside = False
     for s in range(a.first_segment, a.first_segment + a.n_segments):
         ax, ay, bx, by = a.segments[s, 0], a.segments[s, 1], a.segments[s, 2], a.segments[s, 3]
         for q in range(b.first_segment, b.first_segment + b.n_segments):
@@ -53,8 +53,8 @@ def outline_distance(a: BodyOutline, b: BodyOutline, limit: float) -> float:
             if gap2(ax, ay, bx, by, cx, cy, dx, dy) < best2:
                 distance2 = segment_segment_distance2(ax, ay, bx, by, cx, cy, dx, dy)
                 if distance2 < best2:
-                    best2, found = distance2, True
-    return float(np.sqrt(best2)) if found else best
+                    best2, inside = distance2, True
+    return float(np.sqrt(best2)) if inside else best
 
 
 @kernel

@@ -145,7 +145,7 @@ def prepare_lanes(begin: int, end: int, eye: Eye, far: float, rows: Floats, limi
         least = cross * cross
         least = b2 * length2 if along >= length2 else least
         least = a2 * length2 if along <= 0.0 else least
-        wanted = (cross <= limits[j]) & (least <= far * far * length2)
+        meets = (cross <= limits[j]) & (least <= far * far * length2)
         # As in ``rays``: seen under a clear angle, not edge-on.
         clear = cross * cross > EDGE_ON * EDGE_ON * a2 * b2
         share = 1.0 / cross
@@ -157,9 +157,9 @@ def prepare_lanes(begin: int, end: int, eye: Eye, far: float, rows: Floats, limi
         sides.slack[j] = np.float32(SLACK * spread)
         sides.ax[j], sides.ay[j] = np.float32(ax), np.float32(ay)
         sides.bx[j], sides.by[j] = np.float32(bx), np.float32(by)
-        edge = wanted & (not clear)
+        edge = meets & (not clear)
         # 1 for those that are kept, -1 if seen edge-on as well, else 0.
-        sides.mark[j] = np.int32(wanted) - np.int32(2) * np.int32(edge)
+        sides.mark[j] = np.int32(meets) - np.int32(2) * np.int32(edge)
         n_edges += np.int64(edge)
     return int(n_edges)
 
@@ -236,7 +236,7 @@ def span(low: np.float32, high: np.float32, fan: Fan) -> tuple[np.int32, np.int3
 
     All runs where the beams are not evenly spread.
     """
-    zero, one, turn, half_turn = np.float32(0.0), np.float32(1.0), np.float32(TURN), np.float32(HALF_TURN)
+    zero, unit, turn, half_turn = np.float32(0.0), np.float32(1.0), np.float32(TURN), np.float32(HALF_TURN)
     first, density = fan.first, fan.density
     share, whole = np.float32(1.0 / RUN), np.float32(fan.n_beams)
     low, high = low - np.float32(MARGIN), high + np.float32(MARGIN)
@@ -244,12 +244,12 @@ def span(low: np.float32, high: np.float32, fan: Fan) -> tuple[np.int32, np.int3
     is_across = (low > high) | (low < -half_turn) | (high > half_turn)
     low, high = low + turn if low < -half_turn else low, high - turn if high > half_turn else high
     # Numbers of beams, not rounded yet, limited to those that there are.
-    begin, end = (low - first) * density, (high - first) * density + one
-    begin, end = begin if begin > zero else zero, end if end < whole - one else whole - one
-    begin, end = begin if begin < whole else whole, end if end > -one else -one
+    begin, end = (low - first) * density, (high - first) * density + unit
+    begin, end = begin if begin > zero else zero, end if end < whole - unit else whole - unit
+    begin, end = begin if begin < whole else whole, end if end > -unit else -unit
     # From here on in runs of RUN beams; a span across pi ends in the second round.
     place, end = np.floor(begin * share), end + whole if is_across else end
-    runs, most = np.floor(end * share) - place + one, whole * share
+    runs, most = np.floor(end * share) - place + unit, whole * share
     is_part = (density > zero) & (runs < most)
     place = place * np.float32(RUN) if is_part & (place < most) else zero
     return np.int32(place), np.int32(runs if is_part else most)

@@ -38,10 +38,10 @@ def measure_bodies(worlds: Ints, bodies: Ints, model: Model, radius: Floats, cen
         row = worlds[i] % radius.shape[0]
         for b in bodies:
             start, disc = model.segment_start[b], model.disc_start[b]
-            own = model.local_segments[row_of(model.local_segments, row)][start : start + model.segment_count[row, b]]
+            sides = model.local_segments[row_of(model.local_segments, row)][start : start + model.segment_count[row, b]]
             rounds = model.local_discs[row_of(model.local_discs, row)][disc : disc + model.disc_count[row, b]]
-            centroid[row, b, 0], centroid[row, b, 1] = centre_of_mass(own, rounds, model.solid[b])
-            if own.shape[0] == 0 and rounds.shape[0] == 1:
+            centroid[row, b, 0], centroid[row, b, 1] = centre_of_mass(sides, rounds, model.solid[b])
+            if sides.shape[0] == 0 and rounds.shape[0] == 1:
                 radius[row, b] = rounds[0, 2]
             else:
-                radius[row, b] = least_circle(points, corner_points(own, rounds, points))[2]
+                radius[row, b] = least_circle(points, corner_points(sides, rounds, points))[2]

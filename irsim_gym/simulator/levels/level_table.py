@@ -62,21 +62,21 @@ def lay_levels(scenario: Scenario, model: Model, n_slots: int) -> LevelTable | N
     if levels is None:
         return None
     number = {body.name: b for b, body in enumerate(scenario.bodies)}
-    here = np.array([k for k, name in enumerate(levels.bodies) if name in number], np.int64)
-    bodies = np.array([number[levels.bodies[k]] for k in here], np.int64)
+    columns = np.array([k for k, name in enumerate(levels.bodies) if name in number], np.int64)
+    bodies = np.array([number[levels.bodies[k]] for k in columns], np.int64)
     # Each level writes the goals of all bodies, so that those of the level before never stay.
-    own = model.waypoints[0, bodies, : levels.goal.shape[2]]
-    given = levels.goal[:, here, : own.shape[1]]
+    waypoints = model.waypoints[0, bodies, : levels.goal.shape[2]]
+    goals = levels.goal[:, columns, : waypoints.shape[1]]
     return LevelTable(
         bodies=bodies,
-        shaped=levels.shaped[here],
-        start=np.ascontiguousarray(levels.start[:, here]),
-        goal=np.where(np.isnan(given[..., :1]), own, given),
-        present=np.ascontiguousarray(levels.present[:, here]),
+        shaped=levels.shaped[columns],
+        start=np.ascontiguousarray(levels.start[:, columns]),
+        goal=np.where(np.isnan(goals[..., :1]), waypoints, goals),
+        present=np.ascontiguousarray(levels.present[:, columns]),
         segments=levels.segments,
-        segment_rows=_rows(levels.segment_start, here),
+        segment_rows=_rows(levels.segment_start, columns),
         discs=levels.discs,
-        disc_rows=_rows(levels.disc_start, here),
+        disc_rows=_rows(levels.disc_start, columns),
         cells=levels.cells if is_mapped and levels.cells is not None else np.zeros((0, 1, 1), np.bool_),
         line=np.zeros((n_slots, levels.cells.shape[1] if levels.cells is not None else 1)),
         random=_streams(levels, scenario.name),
@@ -84,29 +84,29 @@ def lay_levels(scenario: Scenario, model: Model, n_slots: int) -> LevelTable | N
     )
 
 
-def _rows(starts: Ints, here: Ints) -> Ints:
-    return np.ascontiguousarray(np.stack([starts[:, here], starts[:, here + 1]], axis=2))
+def _rows(starts: Ints, columns: Ints) -> Ints:
+    return np.ascontiguousarray(np.stack([starts[:, columns], starts[:, columns + 1]], axis=2))
 
 
 def _streams(levels: LevelSet, name: str) -> Words:
     """Return the random streams of all levels: the file's, else those that the scenario's own levels begin with."""
     if levels.random is not None:
         return levels.random
-    made = np.zeros(levels.count, np.uint64)
+    streams = np.zeros(levels.count, np.uint64)
     for split, (first, count) in levels.splits.items():
         base = stream_base(name, split)
-        made[first : first + count] = [level_stream(base, level) for level in range(count)]
-    return made
+        streams[first : first + count] = [level_stream(base, level) for level in range(count)]
+    return streams
 
 
 def varied_outlines(scenario: Scenario) -> Flags:
     """Return which bodies have another outline, or map, in each level, shape ``(n_bodies,)``."""
     levels = scenario.levels
     shaped = set() if levels is None else {levels.bodies[k] for k in np.flatnonzero(levels.shaped)}
-    resized = any(one.acts_on == "outline" for one in scenario.disturbances)
+    resized = any(item.acts_on == "outline" for item in scenario.disturbances)
     varied = np.array([body.shape.is_random or body.name in shaped for body in scenario.bodies], np.bool_)
     for b in scenario.robots:
-        varied[b] |= resized or any(one.acts_on == "outline" for one in scenario.bodies[b].disturbances)
+        varied[b] |= resized or any(item.acts_on == "outline" for item in scenario.bodies[b].disturbances)
     if scenario.occupied is not None and levels is not None:
         varied[-1] = levels.cells is not None
     return varied
@@ -130,11 +130,11 @@ def roomy_outlines(scenario: Scenario) -> list[Outline]:
         if b is None:
             continue
         segments, discs = (np.diff(rows, axis=1)[:, k] for rows in (levels.segment_start, levels.disc_start))
-        own = outlines[b]
-        if segments.max() > len(own.segments) or discs.max() > len(own.discs):
+        outline = outlines[b]
+        if segments.max() > len(outline.segments) or discs.max() > len(outline.discs):
             # Room for the outline of any level, which is written over these rows.
             longest = levels.outline(int(segments.argmax()), int(k))[0], levels.outline(int(discs.argmax()), int(k))[1]
-            outlines[b] = Outline(*longest, solid=own.solid)
+            outlines[b] = Outline(*longest, solid=outline.solid)
     return outlines
 
 

@@ -84,16 +84,16 @@ def check_ways(
     """
     blocks = ways.blocks[slot]
     for w in worlds:
-        for own in ways.agents:
-            if failed[w] > 0 or model.goal_renewal[own] != KEEP_GOAL:
+        for agent in ways.agents:
+            if failed[w] > 0 or model.goal_renewal[agent] != KEEP_GOAL:
                 continue
-            mark_standing(model, w, own, blocks)
+            mark_standing(model, w, agent, blocks)
             obstacles = Obstacles(model, state, w, blocks, cells, None)
-            radius = model.reach[row_of(model.reach, w), own]
-            here = (state.pose[w, own, 0], state.pose[w, own, 1])
-            for g in range(model.waypoint_count[w, own]):
-                goal = (model.waypoints[w, own, g, 0], model.waypoints[w, own, g, 1])
-                if not way_exists(obstacles, radius, here, goal, tables):
-                    failed[w] = own + 1
+            radius = model.reach[row_of(model.reach, w), agent]
+            start = (state.pose[w, agent, 0], state.pose[w, agent, 1])
+            for g in range(model.waypoint_count[w, agent]):
+                goal = (model.waypoints[w, agent, g, 0], model.waypoints[w, agent, g, 1])
+                if not way_exists(obstacles, radius, start, goal, tables):
+                    failed[w] = agent + 1
                     break
-                here = goal
+                start = goal

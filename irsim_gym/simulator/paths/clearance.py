@@ -33,14 +33,14 @@ class Obstacles(NamedTuple):
 
 
 @kernel
-def mark_standing(model: Model, w: int, own: int, blocks: Flags) -> None:
+def mark_standing(model: Model, w: int, body: int, blocks: Flags) -> None:
     """Write which other bodies are obstacles for a body because they never move.
 
     Reads: model (present, stands, unobstructed).
     Writes: blocks.
     """
     for b in range(blocks.shape[0]):
-        blocks[b] = model.present[w, b] and model.stands[b] and not model.unobstructed[b] and b != own
+        blocks[b] = model.present[w, b] and model.stands[b] and not model.unobstructed[b] and b != body
 
 
 @kernel

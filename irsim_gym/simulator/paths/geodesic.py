@@ -81,7 +81,7 @@ def best_gate(obstacles: Obstacles, radius: float, start: Point, grid: Grid, sea
     """
     blocked, field = search.blocked, search.field
     rows, columns = blocked.shape
-    best, found = np.inf, -1
+    best, chosen = np.inf, -1
     for i in range(16):
         row, column = gate(i, start, grid)
         if row < 0 or column < 0 or row >= rows or column >= columns or blocked[row, column] == BLOCKED:
@@ -90,8 +90,8 @@ def best_gate(obstacles: Obstacles, radius: float, start: Point, grid: Grid, sea
         dx, dy = place[0] - start[0], place[1] - start[1]
         total = np.sqrt(dx * dx + dy * dy) + (field[row, column] if settled else 0.0)
         if total < best and way_is_free(obstacles, radius, start, place):
-            best, found = total, row * columns + column
-    return found
+            best, chosen = total, row * columns + column
+    return chosen
 
 
 @kernel
@@ -101,15 +101,15 @@ def trace(cell_number: int, goal: Point, grid: Grid, queue: Ints, path: Floats) 
     Points inside straight pieces are left out. The source itself comes last.
     """
     count, last_step = 1, 0
-    here = cell_number
-    while here >= 0:
-        onward = queue[PARENT, here]
+    cell = cell_number
+    while cell >= 0:
+        onward = queue[PARENT, cell]
         # A change of the step from cell to cell, in the numbers of cells, is a corner.
-        if count == 1 or onward < 0 or onward - here != last_step:
-            path[count, 0], path[count, 1] = centre(grid, here // grid.columns, here % grid.columns)
+        if count == 1 or onward < 0 or onward - cell != last_step:
+            path[count, 0], path[count, 1] = centre(grid, cell // grid.columns, cell % grid.columns)
             count += 1
-        last_step = onward - here
-        here = onward
+        last_step = onward - cell
+        cell = onward
     path[count, 0], path[count, 1] = goal[0], goal[1]
     return count + 1
 
@@ -166,8 +166,8 @@ def add_ring(field: Floats, cell: float) -> None:
                 # At the border of the grid, indices are clamped to cells that are counted anyway.
                 up, aside = min(max(row + side, 0), rows - 1), min(max(column + side, 0), columns - 1)
                 other = min(max(column - side, 0), columns - 1)
-                beside = min(beside, known(field[up, column]), known(field[row, aside]))
-                across = min(across, known(field[up, aside]), known(field[up, other]))
+                beside = min(beside, reached(field[up, column]), reached(field[row, aside]))
+                across = min(across, reached(field[up, aside]), reached(field[up, other]))
             best = min(beside + cell, across + np.sqrt(2.0) * cell)
             if best < np.inf:
                 field[row, column] = -best
@@ -177,7 +177,7 @@ def add_ring(field: Floats, cell: float) -> None:
 
 
 @kernel
-def known(distance: float) -> float:
+def reached(distance: float) -> float:
     """Return a distance, inf for one that was new in this ring."""
     return distance if distance >= 0.0 else np.inf
 

@@ -147,9 +147,9 @@ def block_around_cells(cells: CellMaps | None, w: int, radius: float, grid: Grid
     """Block the cells whose centres lie within ``radius`` [m] of an occupied cell of the map of world w."""
     if cells is None:
         return
-    here, x, y = map_of(cells, w), cells.x - grid.origin_x, cells.y - grid.origin_y
-    boxes = here.boxes
-    for k in range(here.n_boxes):
+    world_map, x, y = map_of(cells, w), cells.x - grid.origin_x, cells.y - grid.origin_y
+    boxes = world_map.boxes
+    for k in range(world_map.n_boxes):
         left, right = x + boxes[k, 0] * cells.width, x + boxes[k, 1] * cells.width
         low, high = y + boxes[k, 2] * cells.height, y + boxes[k, 3] * cells.height
         if cells.radius > 0.0:
@@ -263,13 +263,13 @@ def block_inside(outline: BodyOutline, grid: Grid, blocked: Bytes) -> None:
     first, last = first_cell(low_x - grid.origin_x, cell, columns), last_cell(high_x - grid.origin_x, cell, columns)
     top = last_cell(high_y - grid.origin_y, cell, rows)
     for row in range(first_cell(low_y - grid.origin_y, cell, rows), top + 1):
-        known, inside = False, False
+        tested, inside = False, False
         for column in range(first, last + 1):
             if blocked[row, column] == BLOCKED:
-                known = False
+                tested = False
                 continue
-            if not known:
+            if not tested:
                 x, y = centre(grid, row, column)
-                known, inside = True, holds_point(outline, (x, y))
+                tested, inside = True, holds_point(outline, (x, y))
             if inside:
                 blocked[row, column] = BLOCKED

@@ -112,8 +112,8 @@ def nearest_point2(
         if dx != 0.0:
             # Points of column i are within reach of the part of the segment between these x only.
             left, right = points.x + i * side - reach, points.x + (i + 1) * side + reach
-            one, two = min(max((left - ax) / dx, 0.0), 1.0), min(max((right - ax) / dx, 0.0), 1.0)
-            low, high = ay + one * (by - ay), ay + two * (by - ay)
+            start, two = min(max((left - ax) / dx, 0.0), 1.0), min(max((right - ax) / dx, 0.0), 1.0)
+            low, high = ay + start * (by - ay), ay + two * (by - ay)
             low, high = min(low, high), max(low, high)
         below, above = cells_between(low - reach, high + reach, points.y, side, places.shape[1])
         for k in range(below // BLOCK, (above + BLOCK - 1) // BLOCK):

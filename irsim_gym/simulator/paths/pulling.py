@@ -59,18 +59,18 @@ def skip_points(obstacles: Obstacles, radius: float, path: Floats, count: int) -
     Reads: obstacles (blocks, cells, model, state, w).
     Writes: path.
     """
-    kept, here = 1, 0
-    while here < count - 1:
-        to, start, blocker = count - 1, (path[kept - 1, 0], path[kept - 1, 1]), (np.nan, np.nan)
+    count_left, place = 1, 0
+    while place < count - 1:
+        to, start, blocker = count - 1, (path[count_left - 1, 0], path[count_left - 1, 1]), (np.nan, np.nan)
         # The next point is always free to reach, as the path is free.
-        while to > here + 1:
+        while to > place + 1:
             free, blocker = is_free(obstacles, radius, start, (path[to, 0], path[to, 1]), blocker)
             if free:
                 break
             to -= 1
-        path[kept, 0], path[kept, 1] = path[to, 0], path[to, 1]
-        kept, here = kept + 1, to
-    return kept
+        path[count_left, 0], path[count_left, 1] = path[to, 0], path[to, 1]
+        count_left, place = count_left + 1, to
+    return count_left
 
 
 @kernel
@@ -121,10 +121,10 @@ def draw_in(obstacles: Obstacles, radius: float, path: Floats, i: int) -> None:
     # Bisection for the greatest free share of the way; the first try is all of it.
     good, step, blocker = 0.0, 1.0, (np.nan, np.nan)
     for _ in range(HALVINGS + 1):
-        here = (bx + (good + step) * way_x, by + (good + step) * way_y)
-        free, blocker = is_free(obstacles, radius, (ax, ay), here, blocker)
+        middle = (bx + (good + step) * way_x, by + (good + step) * way_y)
+        free, blocker = is_free(obstacles, radius, (ax, ay), middle, blocker)
         if free:
-            free, blocker = is_free(obstacles, radius, here, (cx, cy), blocker)
+            free, blocker = is_free(obstacles, radius, middle, (cx, cy), blocker)
         if free:
             good += step
             if good >= 1.0:
@@ -151,8 +151,8 @@ def is_free(obstacles: Obstacles, radius: float, start: Point, end: Point, block
     # NaN fails the comparison.
     if point_segment_distance2(blocker[0], blocker[1], start[0], start[1], end[0], end[1]) <= radius * radius:
         return False, blocker
-    found = blocking_point(obstacles.points, start[0], start[1], end[0], end[1], radius)
-    if found[0] == found[0]:
-        return False, found
+    hit = blocking_point(obstacles.points, start[0], start[1], end[0], end[1], radius)
+    if hit[0] == hit[0]:
+        return False, hit
     others = Obstacles(obstacles.model, obstacles.state, obstacles.w, obstacles.blocks, obstacles.cells, None)
     return way_is_free(others, radius, start, end), blocker

@@ -111,10 +111,10 @@ def root(runs: Ints, run: int) -> int:
 
 
 @kernel
-def join(runs: Ints, one: int, other: int) -> None:
+def join(runs: Ints, first: int, other: int) -> None:
     """Join two runs. The one with the lower index represents both."""
-    one, other = root(runs, one), root(runs, other)
-    runs[max(one, other), PARENT] = min(one, other)
+    first, other = root(runs, first), root(runs, other)
+    runs[max(first, other), PARENT] = min(first, other)
 
 
 @kernel

@@ -47,21 +47,21 @@ def clear_field(search: Search) -> None:
 
 
 @kernel
-def offer(known: Floats, queue: Ints, here: int, distance: float, parent: int, cell: float) -> None:
+def offer(field: Floats, queue: Ints, node: int, distance: float, parent: int, cell: float) -> None:
     """Put a cell into its bucket if the distance [m] is less than the known one."""
-    before_now = known[here]
+    before_now = field[node]
     if distance >= before_now:
         return
     # The cell is in the bucket of its old distance: out of it. A cell that is done never comes back, as no later
     # distance is less than its own.
     if before_now < np.inf:
-        before, after = queue[PREVIOUS, here], queue[NEXT, here]
+        before, after = queue[PREVIOUS, node], queue[NEXT, node]
         queue[NEXT, before], queue[PREVIOUS, after] = after, before
-    known[here], queue[PARENT, here] = distance, parent
+    field[node], queue[PARENT, node] = distance, parent
     # Bucket n holds distances from n to n + 1 cells, modulo N_BUCKETS.
-    head = known.shape[0] + int(distance / cell) % N_BUCKETS
+    head = field.shape[0] + int(distance / cell) % N_BUCKETS
     after = queue[NEXT, head]
-    queue[NEXT, head], queue[PREVIOUS, here], queue[NEXT, here], queue[PREVIOUS, after] = here, head, after, here
+    queue[NEXT, head], queue[PREVIOUS, node], queue[NEXT, node], queue[PREVIOUS, after] = node, head, after, node
 
 
 @kernel
@@ -71,7 +71,7 @@ def offer_gates(obstacles: Obstacles, radius: float, source: Point, grid: Grid, 
     Reads: obstacles (blocks, cells, model, state, w).
     Writes: search.
     """
-    blocked, known = search.blocked, search.field.reshape(-1)
+    blocked, field = search.blocked, search.field.reshape(-1)
     rows, columns = blocked.shape
     for i in range(16):
         row, column = gate(i, source, grid)
@@ -80,7 +80,7 @@ def offer_gates(obstacles: Obstacles, radius: float, source: Point, grid: Grid, 
         place = centre(grid, row, column)
         if way_is_free(obstacles, radius, source, place):
             dx, dy = place[0] - source[0], place[1] - source[1]
-            offer(known, search.queue, row * columns + column, np.sqrt(dx * dx + dy * dy), -1, grid.cell)
+            offer(field, search.queue, row * columns + column, np.sqrt(dx * dx + dy * dy), -1, grid.cell)
 
 
 @kernel
@@ -97,30 +97,30 @@ def spread(cell: float, target: int, longest: float, search: Search) -> None:
     blocked, field, queue = search.blocked, search.field, search.queue
     n_cells, bucket, idle = field.size, 0, 0
     rows, columns = blocked.shape
-    walls, known = blocked.reshape(-1), field.reshape(-1)
+    walls, distances = blocked.reshape(-1), field.reshape(-1)
     # All buckets empty in a row: nothing is left.
     while idle < N_BUCKETS:
         head = n_cells + bucket % N_BUCKETS
-        here = queue[NEXT, head]
-        if here == head:
+        node = queue[NEXT, head]
+        if node == head:
             bucket, idle = bucket + 1, idle + 1
-            if target >= 0 and known[target] < (bucket - 4) * cell:
+            if target >= 0 and distances[target] < (bucket - 4) * cell:
                 return
             continue
         idle = 0
-        after = queue[NEXT, here]
+        after = queue[NEXT, node]
         queue[NEXT, head], queue[PREVIOUS, after] = after, head
         if longest < np.inf:
-            up, aside = here // columns - target // columns, here % columns - target % columns
-            if known[here] + cell * np.sqrt(float(up * up + aside * aside)) > longest:
+            up, aside = node // columns - target // columns, node % columns - target % columns
+            if distances[node] + cell * np.sqrt(float(up * up + aside * aside)) > longest:
                 continue
-        relax(walls, rows, columns, cell, here, known, queue)
+        relax(walls, rows, columns, cell, node, distances, queue)
 
 
 @kernel
-def relax(walls: Bytes, rows: int, columns: int, cell: float, here: int, known: Floats, queue: Ints) -> None:
+def relax(walls: Bytes, rows: int, columns: int, cell: float, node: int, field: Floats, queue: Ints) -> None:
     """Offer all neighbours of a cell. Compares distances first, because most neighbours are nearer already."""
-    row, column, reach = here // columns, here % columns, known[here]
+    row, column, reach = node // columns, node % columns, field[node]
     # Only near the border can a step leave the grid, or wrap into the next row.
     is_inner = 2 <= row < rows - 2 and 2 <= column < columns - 2
     for k in range(STEPS.shape[0]):
@@ -128,11 +128,11 @@ def relax(walls: Bytes, rows: int, columns: int, cell: float, here: int, known: 
             to_row, to_column = row + STEPS[k, 0], column + STEPS[k, 1]
             if to_row < 0 or to_column < 0 or to_row >= rows or to_column >= columns:
                 continue
-        to, distance = here + STEPS[k, 0] * columns + STEPS[k, 1], reach + LENGTHS[k] * cell
-        if distance >= known[to] or walls[to] == BLOCKED:
+        to, distance = node + STEPS[k, 0] * columns + STEPS[k, 1], reach + LENGTHS[k] * cell
+        if distance >= field[to] or walls[to] == BLOCKED:
             continue
-        if walls[here + VIA[k, 0, 0] * columns + VIA[k, 0, 1]] == BLOCKED:
+        if walls[node + VIA[k, 0, 0] * columns + VIA[k, 0, 1]] == BLOCKED:
             continue
-        if walls[here + VIA[k, 1, 0] * columns + VIA[k, 1, 1]] == BLOCKED:
+        if walls[node + VIA[k, 1, 0] * columns + VIA[k, 1, 1]] == BLOCKED:
             continue
-        offer(known, queue, to, distance, here, cell)
+        offer(field, queue, to, distance, node, cell)

@@ -327,7 +327,7 @@ class BodyReadings(ABC):
         """
         group, member = self._range_sensor(sensor)
         report: dict[str, Any] = group.kind.report(group, member, self._w)
-        return {key: self._reading(one) if isinstance(one, np.ndarray) else one for key, one in report.items()}
+        return {key: self._reading(value) if isinstance(value, np.ndarray) else value for key, value in report.items()}
 
     def scan_points(self, sensor: int = 0) -> Floats | None:
         """Return the points that the latest scan hit, in the sensor's frame [m], shape ``(2, n)``; None without any.
@@ -341,10 +341,10 @@ class BodyReadings(ABC):
 
     def _range_sensor(self, index: int) -> tuple[Group, int]:
         context = self._context
-        found = find_sensor(context.bodies, context.sensors, self._b, "ranges", index)
-        if found is None:
+        sensor = find_sensor(context.bodies, context.sensors, self._b, "ranges", index)
+        if sensor is None:
             raise UnknownNameError(f"'{self.name}' has no range sensor number {index}")
-        return found
+        return sensor
 
     def detected(self) -> list[Self]:
         """Return the bodies in its field of view (``fov``, ``fov_radius``); nothing hides what is behind it.
@@ -355,10 +355,10 @@ class BodyReadings(ABC):
         fov, depth = self.fov, self.fov_radius
         if fov is None or depth is None:
             raise UnknownNameError(f"'{self.name}' has no field of view: give it fov and fov_radius")
-        found = np.zeros(self._model.present.shape, np.bool_)
-        here = np.array([self._w], np.int64)
-        self._context.detect(here, self._b, fov, depth, self._model, self._now, found)
-        return [self._body(int(b)) for b in np.flatnonzero(found[self._w])]
+        seen = np.zeros(self._model.present.shape, np.bool_)
+        world = np.array([self._w], np.int64)
+        self._context.detect(world, self._b, fov, depth, self._model, self._now, seen)
+        return [self._body(int(b)) for b in np.flatnonzero(seen[self._w])]
 
     @property
     def time(self) -> float:

@@ -23,17 +23,17 @@ def advice(*owners: str) -> Mapping[str, str]:
     return {name: text for owner in owners for name, text in tables[owner].items()}
 
 
-def missing(what: str, name: str, elsewhere: Mapping[str, str], known: Iterable[str]) -> str:
+def missing(what: str, name: str, elsewhere: Mapping[str, str], names: Iterable[str]) -> str:
     """Return the message for a missing name, with what to use instead.
 
     Args:
         what: Owner of the name, such as ``a body``.
         name: The name.
         elsewhere: What to use for names of IR-SIM.
-        known: The existing names.
+        names: The existing names.
     """
     if name.startswith("plot_"):
         return f"{what} has no '{name}': {DRAWN}"
     if name in elsewhere:
         return f"{what} has no '{name}': {elsewhere[name]}"
-    return f"{what} has no '{name}'{suggestion(name, [one for one in known if not one.startswith('_')])}"
+    return f"{what} has no '{name}'{suggestion(name, [other for other in names if not other.startswith('_')])}"

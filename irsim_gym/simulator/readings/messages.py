@@ -56,12 +56,12 @@ class _Grouped(Message):
     @property
     def robots(self) -> list[Any]:
         """The robots."""
-        return [one for one in self.objects if one.role == "robot"]
+        return [body for body in self.objects if body.role == "robot"]
 
     @property
     def obstacles(self) -> list[Any]:
         """The obstacles."""
-        return [one for one in self.objects if one.role == "obstacle"]
+        return [body for body in self.objects if body.role == "obstacle"]
 
 
 Header = _message("Header", seq=0, stamp=0.0, frame_id="world")

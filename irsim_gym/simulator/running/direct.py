@@ -29,7 +29,7 @@ class Direct:
         self._function, self._worlds, self._sizes, self._taken = function, worlds, sizes, taken
         self._take_and_call: Any = take_and_call.compiled  # type: ignore[attr-defined]
 
-    def run(self, given: NDArray[Any]) -> bool:
+    def run(self, actions: NDArray[Any]) -> bool:
         """Copy numbers, shape ``(n_worlds * n_agents * n,)``, and run the function.
 
         Returns:
@@ -37,23 +37,23 @@ class Direct:
             finite.
         """
         program = self._function.programs.get(0)
-        if program is None or given.dtype not in FLOATS:
+        if program is None or actions.dtype not in FLOATS:
             return False
-        failed = self._take_and_call(program.entries, self._worlds, self._sizes, given, self._taken)
+        failed = self._take_and_call(program.entries, self._worlds, self._sizes, actions, self._taken)
         if failed > 0:
             program.check(failed)
         return not failed
 
 
 @kernel
-def take_and_call(entries: Ints, worlds: Ints, sizes: Ints, given: Floats, taken: Floats) -> int:
+def take_and_call(entries: Ints, worlds: Ints, sizes: Ints, actions: Floats, taken: Floats) -> int:
     """Copy numbers to ``taken`` and make all calls for the worlds, unless a number is not finite.
 
     Args:
         entries: The calls, see ``replay.Program``.
         worlds: All worlds, ``(n_worlds,)``.
         sizes: How many numbers of each agent are used, ``(n_agents,)``.
-        given: The numbers, in a row.
+        actions: The numbers, in a row.
         taken: Written, ``(n_worlds, n_agents, n)``.
 
     Returns:
@@ -64,8 +64,8 @@ def take_and_call(entries: Ints, worlds: Ints, sizes: Ints, given: Floats, taken
     for w in range(taken.shape[0]):
         for a in range(taken.shape[1]):
             for c in range(taken.shape[2]):
-                if c < sizes[a] and not np.isfinite(given[k]):
+                if c < sizes[a] and not np.isfinite(actions[k]):
                     return REFUSED
-                taken[w, a, c] = given[k]
+                taken[w, a, c] = actions[k]
                 k += 1
     return call_all(entries.ctypes.data, entries.shape[0], worlds.ctypes.data, worlds.shape[0], BLOCK)

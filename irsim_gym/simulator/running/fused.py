@@ -180,8 +180,8 @@ class Fused:
         if self.is_fusable and slot not in self.programs and slot not in self._on_trial:
             program = self._record(slot)
             # Kinds of the package are trusted at once; those from outside are on trial for some calls.
-            kept: dict[int, Any] = self.programs if program is None or self._trials <= 0 else self._on_trial
-            kept[slot] = program
+            programs: dict[int, Any] = self.programs if program is None or self._trials <= 0 else self._on_trial
+            programs[slot] = program
 
     def forget(self) -> None:
         """Record again in the next call, because an array or a number was replaced."""

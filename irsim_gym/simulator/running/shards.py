@@ -98,8 +98,8 @@ class Shards:
     def _note(self, function: Work, seconds: float, n_worlds: int) -> None:
         """Note how long some worlds took on one thread."""
         name, now = _name(function), seconds / n_worlds
-        known = self._least_s.get(name)
-        self._least_s[name] = 0.0 if known is None else min(known, now) if known else now
+        least = self._least_s.get(name)
+        self._least_s[name] = 0.0 if least is None else min(least, now) if least else now
 
     def _ready_threads(self) -> ThreadPoolExecutor:
         # A job that threads find in shared memory, without Python, shares small batches better (the factors are in

@@ -93,8 +93,8 @@ def lags(w: int, b: int, model: Model, state: State) -> bool:
 
     Reads: model (abreast, leader), state (goal).
     """
-    shared, own, aside = state.goal[w, model.leader[b]], state.goal[w, b], np.abs(model.abreast[b]) + SAME_PLACE
-    dx, dy = shared[0] - own[0], shared[1] - own[1]
+    shared, slot_goal, aside = state.goal[w, model.leader[b]], state.goal[w, b], np.abs(model.abreast[b]) + SAME_PLACE
+    dx, dy = shared[0] - slot_goal[0], shared[1] - slot_goal[1]
     return bool(dx * dx + dy * dy > aside * aside)
 
 

@@ -24,15 +24,15 @@ def limit_velocity(worlds: Ints, movers: Ints, model: Model, state: State) -> No
         sharpest = model.acceleration_limit[row_of(model.acceleration_limit, w)]
         for b in movers:
             # ``now`` is a view of the state: the velocity of the last step, which the new one replaces axis by axis.
-            asked, now = state.command[w, b], state.velocity[w, b]
+            command, now = state.command[w, b], state.velocity[w, b]
             low, high, change = slowest[b], fastest[b], sharpest[b]
             # A body that nobody drives stands still unless it has a command other than zeros.
-            is_asked = asked[0] != 0.0 or asked[1] != 0.0 or asked[2] != 0.0
+            is_asked = command[0] != 0.0 or command[1] != 0.0 or command[2] != 0.0
             is_free = model.present[w, b] and not state.stopped[w, b] and (model.driven[b] or is_asked)
             for axis in range(3):
                 least = max(low[axis], now[axis] - change[axis] * dt)
                 most = min(high[axis], now[axis] + change[axis] * dt)
-                now[axis] = min(max(asked[axis], least), most) if is_free else 0.0
+                now[axis] = min(max(command[axis], least), most) if is_free else 0.0
             if model.speed_bound[b]:
                 hold_speed(now, high[0])
 

@@ -78,34 +78,34 @@ def moved(turn: Turn, model: Model, state: State, shard: Shard) -> State:
     return turn.moved
 
 
-def begin(found: Disturbances, model: Model, state: State, shard: Shard) -> None:
+def begin(disturbances: Disturbances, model: Model, state: State, shard: Shard) -> None:
     """Draw the numbers of the level, and mount the sensors."""
-    for group in found.groups:
+    for group in disturbances.groups:
         begin_disturbed(shard.worlds, group.tables, model)
-    for group in found.mounts:
+    for group in disturbances.mounts:
         group.kind.disturb(group, model, state, shard)
-    if found.known is not None:
-        tell_reach(shard.worlds, found.reach, model, found.known)
+    if disturbances.known is not None:
+        tell_reach(shard.worlds, disturbances.reach, model, disturbances.known)
 
 
-def begin_again(found: Disturbances, state: State, shard: Shard, begun: Flags) -> None:
+def begin_again(disturbances: Disturbances, state: State, shard: Shard, begun: Flags) -> None:
     """Let some robots begin anew in running worlds, shape ``(n_shard_worlds, n_bodies)``; their numbers stay."""
-    for group in found.groups:
+    for group in disturbances.groups:
         row, k = np.nonzero(begun[:, group.members])
         group.tables.count[shard.worlds[row], k] = 0
     for row, b in zip(*np.nonzero(begun), strict=True):
-        tell(found, np.array([b]), state, Shard(shard.worlds[row : row + 1]))
+        tell(disturbances, np.array([b]), state, Shard(shard.worlds[row : row + 1]))
 
 
-def tell(found: Disturbances, bodies: Ints, state: State, shard: Shard) -> None:
+def tell(disturbances: Disturbances, bodies: Ints, state: State, shard: Shard) -> None:
     """Let bodies know where they are, as at the start, or where they are moved from outside."""
-    if found.belief is not None:
-        tell_truth(shard.worlds, bodies, state, found.belief.state)
+    if disturbances.belief is not None:
+        tell_truth(shard.worlds, bodies, state, disturbances.belief.state)
 
 
-def believe(found: Disturbances, model: Model, state: State, shard: Shard) -> None:
+def believe(disturbances: Disturbances, model: Model, state: State, shard: Shard) -> None:
     """Move the believed poses by what the wheels have turned, and disturb them."""
-    if (belief := found.belief) is not None:
+    if (belief := disturbances.belief) is not None:
         for group in belief.drives:
             group.kind.move(group, model, belief.state, shard)
         for group in belief.errors:
@@ -113,7 +113,7 @@ def believe(found: Disturbances, model: Model, state: State, shard: Shard) -> No
 
 
 @kernel
-def tell_reach(worlds: Ints, reach: Floats, model: Model, known: Model) -> None:
+def tell_reach(worlds: Ints, reach: Floats, model: Model, told: Model) -> None:
     """Write the reach of bodies as robots know it.
 
     Reads: model (reach).
@@ -121,7 +121,7 @@ def tell_reach(worlds: Ints, reach: Floats, model: Model, known: Model) -> None:
     """
     for w in worlds:
         for b in range(reach.shape[0]):
-            known.reach[w, b] = model.reach[w, b] if np.isnan(reach[b]) else reach[b]
+            told.reach[w, b] = model.reach[w, b] if np.isnan(reach[b]) else reach[b]
 
 
 @kernel

@@ -155,13 +155,13 @@ def _scatter(parts: Parts, model: Model, state: State, shard: Shard, bodies: Int
 
 def _is_free(model: Model, state: State, shard: Shard, b: int, pose: list[float]) -> bool:
     """Place a body of one world at a pose, and return whether it touches nothing there."""
-    w, own = int(shard.worlds[0]), np.array([b])
+    w, members = int(shard.worlds[0]), np.array([b])
     state.pose[w, b] = pose
-    outlines.place(own, model, state, shard)
-    body_buckets.refresh(own, model, state, shard)
+    outlines.place(members, model, state, shard)
+    body_buckets.refresh(members, model, state, shard)
     gap = np.zeros((len(state.random), 1))
     gap[w] = 1e-9
-    contact.clearance(own, gap, model, state, shard, gap)
+    contact.clearance(members, gap, model, state, shard, gap)
     return bool(gap[w, 0] > 0.0)
 
 

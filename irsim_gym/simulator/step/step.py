@@ -53,8 +53,8 @@ def advance(parts: Parts, model: Model, state: State, shard: Shard, orders: Orde
             decide(group, model, state, shard)
         if orders is not None:
             orders.give(state, shard)
-        asked = disturbances.asked(turn, model, state, shard)
-        limit(parts, turn.driven, model, asked, shard)
+        commanded = disturbances.asked(turn, model, state, shard)
+        limit(parts, turn.driven, model, commanded, shard)
         moved = disturbances.moved(turn, model, state, shard)
         for group in turn.kinematics:
             group.kind.move(group, model, moved, shard)
@@ -93,17 +93,17 @@ def advance_one(parts: Parts, model: Model, state: State, shard: Shard, body: in
         body: The body.
         decides: Ask its behaviour for its command, which else stands in ``state.command``.
     """
-    here = np.array([body], np.int64)
-    goals, loops = np.intersect1d(parts.goal_bodies, here), np.intersect1d(parts.loop_returns, here)
+    members = np.array([body], np.int64)
+    goals, loops = np.intersect1d(parts.goal_bodies, members), np.intersect1d(parts.loop_returns, members)
     arrival.renew_goals(shard.worlds, goals, loops, model, state)
     for group in _of(parts.behaviors, body) if decides else ():
         decide(group, model, state, shard)
-    limit(parts, np.setdiff1d(here, parts.coasting), model, state, shard)
+    limit(parts, np.setdiff1d(members, parts.coasting), model, state, shard)
     for group in _of(parts.kinematics, body):
         group.kind.move(group, model, state, shard)
-    outlines.place(here, model, state, shard)
-    body_buckets.refresh(here, model, state, shard)
-    disturbances.tell(parts.disturbances, here, state, shard)
+    outlines.place(members, model, state, shard)
+    body_buckets.refresh(members, model, state, shard)
+    disturbances.tell(parts.disturbances, members, state, shard)
 
 
 def limit(parts: Parts, driven: Ints, model: Model, state: State, shard: Shard) -> None:

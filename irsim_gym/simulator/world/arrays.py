@@ -101,7 +101,7 @@ class Arrays(Struct):
             MemoryError: This machine has less memory than they need.
         """
         columns = cls.columns()
-        shapes = {name: one.shape(sizes, shared=name not in per_world) for name, one in columns.items()}
+        shapes = {name: column.shape(sizes, shared=name not in per_world) for name, column in columns.items()}
         _refuse_too_large(sum(prod(shapes[name]) * np.dtype(columns[name].dtype).itemsize for name in columns), sizes)
         arrays = {name: np.zeros(shape, columns[name].dtype) for name, shape in shapes.items()}
         return cls(**arrays | cls._side_by_side(arrays))
@@ -111,15 +111,15 @@ class Arrays(Struct):
         """Return the fields of ``together`` in one piece of memory."""
         groups = [(names, arrays[names[0]]) for names in cls.together]
         starts, end = [], 0
-        for names, one in groups:
+        for names, column in groups:
             # The next multiple of the item's size, so that every group is aligned for its type.
-            starts.append(-(-end // one.itemsize) * one.itemsize)
-            end = starts[-1] + len(names) * one.nbytes
+            starts.append(-(-end // column.itemsize) * column.itemsize)
+            end = starts[-1] + len(names) * column.nbytes
         room = aligned((end,), np.uint8)
         placed: dict[str, Any] = {}
-        for (names, one), start in zip(groups, starts, strict=True):
-            block = room[start : start + len(names) * one.nbytes].view(one.dtype)
-            placed |= zip(names, block.reshape(len(names), *one.shape), strict=True)
+        for (names, column), start in zip(groups, starts, strict=True):
+            block = room[start : start + len(names) * column.nbytes].view(column.dtype)
+            placed |= zip(names, block.reshape(len(names), *column.shape), strict=True)
         return placed
 
 

@@ -149,8 +149,8 @@ def records(options: Sequence[object]) -> Any:
 
 def _numbers(item: Any, hints: Mapping[str, Any]) -> dict[str, NDArray[Any]]:
     names = [declared.name for declared in dataclasses.fields(item)]
-    found = {name: _as_number(getattr(item, name), hints[name]) for name in names}
-    return {name: value for name, value in found.items() if value is not None}
+    numbers = {name: _as_number(getattr(item, name), hints[name]) for name in names}
+    return {name: value for name, value in numbers.items() if value is not None}
 
 
 def _as_number(value: Any, hint: Any) -> NDArray[Any] | None:

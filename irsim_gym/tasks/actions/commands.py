@@ -11,41 +11,41 @@ from irsim_gym.tasks.terms.outcome import RUNNING
 FRAME = option("body", meaning="Frame of an omni drive's action: the body's, or that of its commands (the world's).")
 
 
-def take(given: NDArray[Any], worlds: Ints, n_choices: int, sizes: Ints, kept: NDArray[Any]) -> None:
+def take(actions: NDArray[Any], worlds: Ints, n_choices: int, sizes: Ints, taken: NDArray[Any]) -> None:
     """Check and copy actions.
 
     Args:
-        given: Actions as ``Episodes.step`` takes them.
+        actions: Actions as ``Episodes.step`` takes them.
         worlds: The worlds to treat; other rows are not checked.
         n_choices: Number of choices; 0 for continuous actions.
         sizes: Components of each agent's actions, ``(n_agents,)``.
-        kept: Output, of the shape that ``given`` must have.
+        taken: Output, of the shape that ``actions`` must have.
 
     Raises:
         ValueError: If an action has the wrong shape or type, is not finite or is not a valid choice.
     """
-    if given.shape != kept.shape:
-        raise ValueError(f"actions must have shape {kept.shape}, got {given.shape}")
-    if given.dtype.kind not in ("iu" if n_choices else "fiu"):
-        wanted = "whole numbers" if n_choices else "numbers"
-        raise ValueError(f"actions must be {wanted}, got an array of {given.dtype}")
-    kept[...] = given
-    if n_choices and not all_within(worlds, n_choices, kept):
+    if actions.shape != taken.shape:
+        raise ValueError(f"actions must have shape {taken.shape}, got {actions.shape}")
+    if actions.dtype.kind not in ("iu" if n_choices else "fiu"):
+        numbers = "whole numbers" if n_choices else "numbers"
+        raise ValueError(f"actions must be {numbers}, got an array of {actions.dtype}")
+    taken[...] = actions
+    if n_choices and not all_within(worlds, n_choices, taken):
         raise ValueError(f"an action is not a choice from 0 to {n_choices - 1}")
-    if not n_choices and not all_finite.compiled(worlds, sizes, kept):  # type: ignore[attr-defined]
+    if not n_choices and not all_finite.compiled(worlds, sizes, taken):  # type: ignore[attr-defined]
         raise ValueError("an action is not finite")
 
 
 @kernel
-def all_finite(worlds: Ints, sizes: Ints, given: Floats) -> bool:
+def all_finite(worlds: Ints, sizes: Ints, actions: Floats) -> bool:
     """Return whether the actions ``(n_worlds, n_agents, n_components)`` of all given worlds are finite.
 
     Components from ``sizes[a]`` on, which the agent's drive does not have, are not checked.
     """
     for w in worlds:
-        for a in range(given.shape[1]):
+        for a in range(actions.shape[1]):
             for c in range(sizes[a]):
-                if not np.isfinite(given[w, a, c]):
+                if not np.isfinite(actions[w, a, c]):
                     return False
     return True
 
@@ -78,8 +78,8 @@ def write_commands(worlds: Ints, agents: Ints, model: Model, state: State, episo
             b = agents[a]
             for c in range(episode.action.shape[2]):
                 low, high = slowest[b, c], fastest[b, c]
-                wanted = 0.5 * (low + high) + episode.action[w, a, c] * (0.5 * (high - low))
-                state.command[w, b, c] = wanted if episode.outcome[w, a] == RUNNING else 0.0
+                command = 0.5 * (low + high) + episode.action[w, a, c] * (0.5 * (high - low))
+                state.command[w, b, c] = command if episode.outcome[w, a] == RUNNING else 0.0
 
 
 @kernel

@@ -52,15 +52,15 @@ def check_audit(terms: Terms, sharing: Sharing, merged: Merged) -> None:
     for place, ending in terms["endings"]:
         if ending.outcome == Outcome.SUCCESS or not running:
             continue
-        amounts = [(one, _least(one, ending)) for one in rewards if _pays_for(one, ending.outcome)]
+        amounts = [(reward, _least(reward, ending)) for reward in rewards if _pays_for(reward, ending.outcome)]
         penalty = sum(amount for _, amount in amounts)
         if sharing.own * penalty >= cost - ROUNDING:
             continue
         culprit: Place = ("team_reward",) if penalty >= cost - ROUNDING else place
-        made = _penalty_parts(amounts, sharing)
+        parts = _penalty_parts(amounts, sharing)
         message = (
-            f"an episode that ends as '{ending_for(ending.outcome)}' costs {sharing.own * penalty:g}{made}, "
-            f"one that continues can cost {cost:g} ({_sum((one, one.weight) for one in running)}): "
+            f"an episode that ends as '{ending_for(ending.outcome)}' costs {sharing.own * penalty:g}{parts}, "
+            f"one that continues can cost {cost:g} ({_sum((reward, reward.weight) for reward in running)}): "
             f"{_advice(ending.outcome, bool(amounts), cost, sharing)}"
         )
         merged.report.add(merged.own_place(("rewards",), culprit), message)

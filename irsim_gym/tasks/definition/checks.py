@@ -22,12 +22,12 @@ NOTHING = "nothing"
 OTHERWISE = "; task: {agents: NAME} lets another robot learn, and irsim_gym.load runs a file without learning"
 
 
-def choose_agents(scenario: Scenario, given: str | Sequence[str], team: bool, merged: Merged) -> tuple[int, ...]:
+def choose_agents(scenario: Scenario, chosen: str | Sequence[str], team: bool, merged: Merged) -> tuple[int, ...]:
     """Return the bodies that learn; empty after reporting problems.
 
     Args:
         scenario: The scenario.
-        given: A robot's name, several names, ``all``, or empty.
+        chosen: A robot's name, several names, ``all``, or empty.
         team: Whether empty means all robots instead of the first one.
         merged: Collects the problems.
     """
@@ -40,30 +40,30 @@ def choose_agents(scenario: Scenario, given: str | Sequence[str], team: bool, me
         message = "the bodies do not move by themselves, so no robot can learn; irsim_gym.load runs such a world"
         merged.outside.append((scenario.source.title, scenario.problem(("world", "step_mode"), message)))
         return ()
-    if not given:
+    if not chosen:
         return robots if team else robots[:1]
-    if given == "all":
+    if chosen == "all":
         return robots
-    names = [given] if isinstance(given, str) else list(given)
-    known = {scenario.bodies[b].name: b for b in robots}
-    others = {body.name for body in scenario.bodies} - set(known)
+    names = [chosen] if isinstance(chosen, str) else list(chosen)
+    by_name = {scenario.bodies[b].name: b for b in robots}
+    others = {body.name for body in scenario.bodies} - set(by_name)
     for i, name in enumerate(names):
-        place: Place = ("agents",) if isinstance(given, str) else ("agents", i)
+        place: Place = ("agents",) if isinstance(chosen, str) else ("agents", i)
         if name in others:
             merged.report.add(place, f"'{name}' is an obstacle; only robots can learn")
-        elif name not in known:
-            merged.report.add(place, _unknown_learner(scenario, name, list(known)))
+        elif name not in by_name:
+            merged.report.add(place, _unknown_learner(scenario, name, list(by_name)))
         elif name in names[:i]:
             merged.report.add(place, f"'{name}' is named twice")
-    return tuple(known[name] for name in names) if set(names) <= set(known) else ()
+    return tuple(by_name[name] for name in names) if set(names) <= set(by_name) else ()
 
 
-def _unknown_learner(scenario: Scenario, name: str, known: Sequence[str]) -> str:
+def _unknown_learner(scenario: Scenario, name: str, names: Sequence[str]) -> str:
     """Return the message about a learner's name that no robot has."""
     members = [scenario.bodies[b].name for b in scenario.robots if scenario.bodies[b].group_name == name]
     if members:
         return f"'{name}' is a group: name its robots, {_first_names(members)}"
-    return f"no robot named '{name}'{suggestion(name, known)}; the robots: {_first_names(known)}"
+    return f"no robot named '{name}'{suggestion(name, names)}; the robots: {_first_names(names)}"
 
 
 def _first_names(names: Sequence[str], most: int = 10) -> str:
@@ -101,13 +101,13 @@ def _with_substitutes(
     observations: Sequence[tuple[Place, Any]], bodies: Sequence[BodySpec], report: Report
 ) -> list[tuple[Place, Any]]:
     """Return a list of observations, with substitutes for missing sensors."""
-    given = [type(item) for _, item in observations]
+    kinds = [type(item) for _, item in observations]
     fitting = []
     for place, item in observations:
         for fit in _substitutes(place, item, bodies, report) if "scan" in (item.needs or ()) else [item]:
-            if fit is item or type(fit) not in given:
+            if fit is item or type(fit) not in kinds:
                 fitting.append((place, fit))
-                given.append(type(fit))
+                kinds.append(type(fit))
     return fitting
 
 
@@ -182,17 +182,17 @@ def _term_name(term: object) -> str:
 
 def _substitutes(place: Place, item: object, bodies: Sequence[BodySpec], report: Report) -> list[object]:
     """Return an observation that needs a range sensor, or its substitutes if there is no sensor."""
-    given = getattr(item, "without_sensor", "")  # kinds of plugins may lack this option
-    names = [given] if isinstance(given, str) else given
-    wanted = [name for name in names if name]
+    option = getattr(item, "without_sensor", "")  # kinds of plugins may lack this option
+    names = [option] if isinstance(option, str) else option
+    substitutes = [name for name in names if name]
     scanners = [[sensor for sensor in body.sensors if sensor.reading == "ranges"] for body in bodies]
-    without = [body.name for body, found in zip(bodies, scanners, strict=True) if not found]
-    if wanted == [NOTHING] and without:
+    without = [body.name for body, lidar in zip(bodies, scanners, strict=True) if not lidar]
+    if substitutes == [NOTHING] and without:
         if len(without) < len(bodies):
             rule = f"'{NOTHING}' needs learners that all have a range sensor, or none of which has one"
             report.add((*place, "without_sensor"), f"{rule}: '{without[0]}' has none")
         return [item]
-    unknown = [name for name in wanted if name not in OBSERVATIONS and wanted != [NOTHING]]
+    unknown = [name for name in substitutes if name not in OBSERVATIONS and substitutes != [NOTHING]]
     for name in unknown:
         message = f"no observation named '{name}'{suggestion(name, OBSERVATIONS.names())}"
         report.add((*place, "without_sensor"), message)
@@ -200,23 +200,23 @@ def _substitutes(place: Place, item: object, bodies: Sequence[BodySpec], report:
         return [item]
     if not without:
         first = scanners[0][0]
-        for body, (found, *_) in zip(bodies, scanners, strict=True):
-            if (type(found), found.group_key()) != (type(first), first.group_key()):
-                both = f"{bodies[0].name} has {_described(first)}, {body.name} has {_described(found)}"
+        for body, (lidar, *_) in zip(bodies, scanners, strict=True):
+            if (type(lidar), lidar.group_key()) != (type(first), first.group_key()):
+                both = f"{bodies[0].name} has {_described(first)}, {body.name} has {_described(lidar)}"
                 rule = "learners of one task need range sensors of one kind with the same beams, all noisy or none"
                 report.add(place, f"{rule}: {both}; task: {{agents: [NAME, ...]}} selects the learners")
                 break
         return [item]
-    if not wanted:
+    if not substitutes:
         report.add(
             place,
             f"'{without[0]}' has no range sensor: add one, or a substitute such as 'without_sensor: nearest_bodies'",
         )
         return [item]
-    blind = [name for name in wanted if "scan" in (OBSERVATIONS.entry(name).kind().needs or ())]
+    blind = [name for name in substitutes if "scan" in (OBSERVATIONS.entry(name).kind().needs or ())]
     for name in blind:
         report.add((*place, "without_sensor"), f"'{name}' needs a range sensor itself")
-    return [item] if blind else [OBSERVATIONS.entry(name).kind() for name in wanted]
+    return [item] if blind else [OBSERVATIONS.entry(name).kind() for name in substitutes]
 
 
 def _described(sensor: object) -> str:

@@ -64,23 +64,23 @@ class Merged:
         Raises:
             ScenarioError: If there is a problem.
         """
-        found = [*self.outside, *map(self._origin, self.report.problems)]
-        if not found:
+        refused = [*self.outside, *map(self._origin, self.report.problems)]
+        if not refused:
             return
-        titles = [title for title, _ in found]
+        titles = [title for title, _ in refused]
         file = main if main in titles else titles[0]
-        problems = [problem if title == file else _elsewhere(title, problem) for title, problem in found]
+        problems = [problem if title == file else _elsewhere(title, problem) for title, problem in refused]
         raise ScenarioError(file, problems)
 
     def ignored(self, main: str) -> list[Problem]:
         """Return the ignored keys as problems, in the form of ``refuse``."""
-        found = map(self._origin, self.report.ignored)
-        return [problem if title == main else _elsewhere(title, problem) for title, problem in found]
+        problems = map(self._origin, self.report.ignored)
+        return [problem if title == main else _elsewhere(title, problem) for title, problem in problems]
 
     def own_place(self, *places: Place) -> Place:
         """Return the first of these places that the uppermost layer sets; the first place if it sets none."""
-        own = {place for place, node in self.origins if node.layer.title == self.report.source.title}
-        return next((place for place in places if place in own), places[0])
+        places_here = {place for place, node in self.origins if node.layer.title == self.report.source.title}
+        return next((place for place in places if place in places_here), places[0])
 
     def _origin(self, problem: Problem) -> tuple[str, Problem]:
         place, node = self.origins[min(problem.line, len(self.origins)) - 1]
@@ -153,13 +153,13 @@ def _name(node: Node) -> object:
 def _over(base: Node, over: Node, complaints: list[tuple[Node, str]]) -> Node:
     children = dict(base.value)
     for key, node in over.value.items():
-        known = children.get(key)
-        if known is None:
+        below = children.get(key)
+        if below is None:
             children[key] = node
-        elif key in LISTS and isinstance(known.value, list) and isinstance(node.value, list):
-            children[key] = _over_items(known, node, key, complaints)
+        elif key in LISTS and isinstance(below.value, list) and isinstance(node.value, list):
+            children[key] = _over_items(below, node, key, complaints)
         elif key in ("action", "shield"):
-            children[key] = _over_options(known, node)
+            children[key] = _over_options(below, node)
         else:
             children[key] = node
     return Node(over.layer, over.place, children)

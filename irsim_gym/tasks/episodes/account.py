@@ -177,15 +177,15 @@ def decide_outcomes(worlds: Ints, outcomes: Ints, max_steps: int, episode: Episo
         for a in range(episode.outcome.shape[1]):
             if episode.over[w, a]:
                 continue
-            found = RUNNING
+            outcome = RUNNING
             for k in range(outcomes.shape[0]):
                 # Endings come in order of precedence: the first one that applies counts.
-                if episode.ending[w, a, k] and found == RUNNING:
-                    found = outcomes[k]
-            episode.terminated[w, a] = found != RUNNING
-            episode.truncated[w, a] = found == RUNNING and episode.steps[w, a] >= max_steps
-            episode.outcome[w, a] = TIMEOUT if episode.truncated[w, a] else found
-            episode.success[w, a] = found == SUCCESS
+                if episode.ending[w, a, k] and outcome == RUNNING:
+                    outcome = outcomes[k]
+            episode.terminated[w, a] = outcome != RUNNING
+            episode.truncated[w, a] = outcome == RUNNING and episode.steps[w, a] >= max_steps
+            episode.outcome[w, a] = TIMEOUT if episode.truncated[w, a] else outcome
+            episode.success[w, a] = outcome == SUCCESS
 
 
 @kernel
@@ -228,8 +228,8 @@ def hold_arrivals(worlds: Ints, episode: EpisodeState) -> None:
                 episode.arrival[w, a] = episode.steps[w, a]
             is_on_its_way |= episode.outcome[w, a] == RUNNING and episode.arrival[w, a] == 0
         for a in range(episode.outcome.shape[1]):
-            found = episode.outcome[w, a]
-            fails = found != RUNNING and found != SUCCESS and found != TIMEOUT
+            outcome = episode.outcome[w, a]
+            fails = outcome != RUNNING and outcome != SUCCESS and outcome != TIMEOUT
             if episode.over[w, a] or episode.arrival[w, a] == 0 or fails:
                 continue
             episode.outcome[w, a] = RUNNING if is_on_its_way else SUCCESS

@@ -250,11 +250,11 @@ class Episodes:
         self.simulation.respawn(shard, self._agents, self.state.began)
         self._begin_episodes(shard)
 
-    def step(self, given: NDArray[Any], worlds: Ints | None = None) -> None:
+    def step(self, actions: NDArray[Any], worlds: Ints | None = None) -> None:
         """Play one step.
 
         Args:
-            given: Actions in [-1, 1], shape ``(n_worlds, n_agents, n_components)``; discrete: whole numbers, shape
+            actions: Actions in [-1, 1], shape ``(n_worlds, n_agents, n_components)``; discrete: whole numbers, shape
                 ``(n_worlds, n_agents)``.
             worlds: Indices of the worlds to step; all by default. Actions of other worlds are ignored.
 
@@ -264,13 +264,13 @@ class Episodes:
         shards, direct = self.simulation.shards, self.direct if worlds is None else None
         if (
             direct is not None
-            and given.shape == self._given.shape
+            and actions.shape == self._given.shape
             and shards.is_alone(self._play, self.n_worlds)
-            and direct.run(given.reshape(-1))
+            and direct.run(actions.reshape(-1))
         ):
             return
         rows = shards.all[0].worlds if worlds is None else worlds
-        commands.take(given, rows, self.n_discrete, self.action_sizes, self._given)
+        commands.take(actions, rows, self.n_discrete, self.action_sizes, self._given)
         self.simulation.run(self._play, worlds)
 
     def _begin_levels(self, shard: Shard) -> None:

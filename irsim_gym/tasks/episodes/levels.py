@@ -36,12 +36,12 @@ def take_levels(worlds: Ints, episode: EpisodeState) -> None:
     Writes: episode (chosen, level, stream).
     """
     for w in worlds:
-        here, count = episode.chosen[w], episode.count[w]
-        if here == CHAIN:
-            here = later_level(int(episode.first_level[w]), int(episode.episode[w]))
+        level, count = episode.chosen[w], episode.count[w]
+        if level == CHAIN:
+            level = later_level(int(episode.first_level[w]), int(episode.episode[w]))
         episode.chosen[w] = CHAIN
-        episode.stream[w] = level_key(episode.base[w], int(count), int(here))
+        episode.stream[w] = level_key(episode.base[w], int(count), int(level))
         # With a file of levels, what is reported is the number of the level in its split.
-        here = here % count if count > 0 else here
+        level = level % count if count > 0 else level
         for a in range(episode.level.shape[1]):
-            episode.level[w, a] = here
+            episode.level[w, a] = level

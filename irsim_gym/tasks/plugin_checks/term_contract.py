@@ -64,7 +64,7 @@ def check_bound(family: str, term: Term) -> None:
     if isinstance(options, HasArrays):
         arrays = term.arrays
         types = {name: type(array) for name, array in arrays.items()} if isinstance(arrays, Mapping) else type(arrays)
-        if not isinstance(types, dict) or not all(issubclass(one, np.ndarray) for one in types.values()):
+        if not isinstance(types, dict) or not all(issubclass(kind, np.ndarray) for kind in types.values()):
             problems.append(f"arrays() must return a dict of NumPy arrays by name, got {types}")
     if family == "observation" and isinstance(options, IsImage):
         shape: Any = options.image_shape
@@ -84,21 +84,21 @@ def checked_bounds(term: Term, model: Model) -> tuple[Any, Any]:
     Raises:
         KindError: If the bounds are invalid.
     """
-    found = term.options.bounds(term, model)
+    limits = term.options.bounds(term, model)
     try:
-        low, high = (np.asarray(values, np.float32) for values in found)
+        low, high = (np.asarray(values, np.float32) for values in limits)
     except (TypeError, ValueError):
         low = high = np.zeros(0, np.float32)  # refused as too few
-    problems = _bound_problems(term, model, low, high, found)
+    problems = _bound_problems(term, model, low, high, limits)
     refuse("observation", term.name, type(term.options), islice(problems, 1), "bounds")
     return low, high
 
 
-def _bound_problems(term: Term, model: Model, low: Any, high: Any, found: object) -> Iterator[str]:
+def _bound_problems(term: Term, model: Model, low: Any, high: Any, limits: object) -> Iterator[str]:
     if low.ndim != 1 or low.shape != high.shape or not low.size:
         yield (
             "bounds() must return two arrays of numbers, of one shape (width,), the least and the greatest values; "
-            f"got {found!r}"
+            f"got {limits!r}"
         )
     wrong = ~((low >= -1.0) & (low <= high) & (high <= 1.0))
     if wrong.any():
@@ -112,7 +112,7 @@ def _bound_problems(term: Term, model: Model, low: Any, high: Any, found: object
         if used.shape != shape or used.dtype != np.bool_:
             yield f"used() must return flags of shape {shape}, got {used.dtype} of shape {used.shape}"
     if isinstance(term.options, TellsColumns):
-        width = sum(one.count for one in term.options.columns(term, model, 0))
+        width = sum(item.count for item in term.options.columns(term, model, 0))
         if width != low.size:
             yield f"columns() tells {width} columns, but bounds() has {low.size}"
 
@@ -126,18 +126,18 @@ def checked_mirrored(term: Term, width: int) -> Mirrored | str:
     Raises:
         KindError: If that is invalid.
     """
-    found = term.options.mirrored(term)
-    if isinstance(found, str):
-        return found
+    answer = term.options.mirrored(term)
+    if isinstance(answer, str):
+        return answer
     try:
-        mirrored = Mirrored(np.asarray(found.columns), np.asarray(found.signs, np.float32))
+        mirrored = Mirrored(np.asarray(answer.columns), np.asarray(answer.signs, np.float32))
         is_right = _is_own_inverse(mirrored, width)
     except (AttributeError, TypeError, ValueError):
         is_right = False
     if not is_right:
         problem = (
             f"mirrored() must return the reason as text, or Mirrored(columns, signs) that names each of the {width} "
-            f"columns once, with 1 or -1, and changes nothing when it is applied twice; got {found!r}"
+            f"columns once, with 1 or -1, and changes nothing when it is applied twice; got {answer!r}"
         )
         refuse("observation", term.name, type(term.options), [problem], "mirrored")
     return mirrored

@@ -40,7 +40,7 @@ def watch_terms(terms: Mapping[str, Sequence[Term]], simulation: Simulation) -> 
     """
     for key, those in terms.items():
         family = key.removesuffix("s")
-        for term in (one for one in those if is_foreign(type(one.options))):
+        for term in (term for term in those if is_foreign(type(term.options))):
             check = CallCheck(family, term, simulation)
             # The copy's own attribute hides the method; the task keeps the kind as it is.
             term.options = copy(term.options)
@@ -176,13 +176,13 @@ class CallCheck:
 def _arrays(state: State, episode: EpisodeState, free: set[str]) -> dict[str, tuple[NDArray[Any], NDArray[Any]]]:
     """Return the arrays that a term must not write, with copies, by how code names them."""
     holders: tuple[tuple[str, Any], ...] = ("state", state), ("episode", episode)
-    found = {
-        f"{name}.{one.name}": getattr(holder, one.name)
+    every = {
+        f"{name}.{each.name}": getattr(holder, each.name)
         for name, holder in holders
-        for one in fields(holder)
-        if one.name not in free
+        for each in fields(holder)
+        if each.name not in free
     }
-    arrays = {name: one for name, one in found.items() if isinstance(one, np.ndarray) and one.dtype.names is None}
+    arrays = {name: item for name, item in every.items() if isinstance(item, np.ndarray) and item.dtype.names is None}
     return {name: (array, array.copy()) for name, array in arrays.items()}
 
 

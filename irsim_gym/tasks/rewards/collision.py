@@ -34,7 +34,7 @@ class Collision(RewardDefaults):
     def _amounts(self) -> tuple[float, ...]:
         """Return the penalties by HitKind."""
         robot, obstacle, cells = (
-            self.weight if given is None else given for given in (self.robot, self.obstacle, self.map)
+            self.weight if weight is None else weight for weight in (self.robot, self.obstacle, self.map)
         )
         return 0.0, obstacle, obstacle, robot, cells
 
@@ -53,7 +53,7 @@ class Collision(RewardDefaults):
         names = {"obstacle": "an obstacle", "robot": "a robot", "map": "the map"}
         special = [f"with {names[key]} -{getattr(self, key):g}" for key in names if getattr(self, key) is not None]
         return f"-{self.weight:g} in the step in which it begins to touch another body" + "".join(
-            f"; {one}" for one in special
+            f"; {part}" for part in special
         )
 
     @staticmethod

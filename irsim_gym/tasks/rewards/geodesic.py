@@ -80,19 +80,19 @@ def draw_fields(
     grid, blocked, queue, blocks = fields.grid, fields.blocked[slot], fields.queue[slot], fields.blocks[slot]
     for w in worlds:
         for a in range(agents.shape[0]):
-            own, target, field = agents[a], fields.target[w, a], fields.field[w, a]
-            x, y = state.pose[w, own, 0], state.pose[w, own, 1]
-            goal_x, goal_y = state.goal[w, own, 0], state.goal[w, own, 1]
+            body, target, field = agents[a], fields.target[w, a], fields.field[w, a]
+            x, y = state.pose[w, body, 0], state.pose[w, body, 1]
+            goal_x, goal_y = state.goal[w, body, 0], state.goal[w, body, 1]
             if not episode.began[w, a] and goal_x == target[0] and goal_y == target[1]:
                 continue
             target[0], target[1] = goal_x, goal_y
-            mark_standing(model, w, own, blocks)
+            mark_standing(model, w, body, blocks)
             obstacles = Obstacles(model, state, w, blocks, cells, None)
-            radius = model.reach[row_of(model.reach, w), own]
+            radius = model.reach[row_of(model.reach, w), body]
             distance_field(obstacles, radius, (goal_x, goal_y), grid, Search(blocked, field, queue))
-            here = field_at(field, grid, x, y)
+            distance = field_at(field, grid, x, y)
             dx, dy = goal_x - x, goal_y - y
-            fields.potential[w, a] = here if here < np.inf else np.sqrt(dx * dx + dy * dy)
+            fields.potential[w, a] = distance if distance < np.inf else np.sqrt(dx * dx + dy * dy)
 
 
 @kernel
@@ -109,8 +109,8 @@ def pay_field_gain(
     for w in worlds:
         for a in range(term.agents.shape[0]):
             b = term.agents[a]
-            here = field_at(fields.field[w, a], grid, state.pose[w, b, 0], state.pose[w, b, 1])
+            distance = field_at(fields.field[w, a], grid, state.pose[w, b, 0], state.pose[w, b, 1])
             # Without a path from here, nothing is gained or lost in this step.
-            here = here if here < np.inf else potential[w, a]
-            episode.reward_term[w, a, term.column] = rate * (potential[w, a] - here)
-            potential[w, a] = here
+            distance = distance if distance < np.inf else potential[w, a]
+            episode.reward_term[w, a, term.column] = rate * (potential[w, a] - distance)
+            potential[w, a] = distance

@@ -91,11 +91,11 @@ def path_distance(onward: Spans, grid: Grid, first: int, ahead: float, x: float,
         x: The point [m].
         y: The point [m].
     """
-    here, driven, best = first, 0.0, np.inf
-    old_x, old_y = centre(grid, here // grid.columns, here % grid.columns)
-    while here >= 0 and driven <= ahead:
-        new_x, new_y = centre(grid, here // grid.columns, here % grid.columns)
+    cell, driven, best = first, 0.0, np.inf
+    old_x, old_y = centre(grid, cell // grid.columns, cell % grid.columns)
+    while cell >= 0 and driven <= ahead:
+        new_x, new_y = centre(grid, cell // grid.columns, cell % grid.columns)
         driven += np.sqrt((new_x - old_x) * (new_x - old_x) + (new_y - old_y) * (new_y - old_y))
         best = min(best, (new_x - x) * (new_x - x) + (new_y - y) * (new_y - y))
-        old_x, old_y, here = new_x, new_y, int(onward[here])
+        old_x, old_y, cell = new_x, new_y, int(onward[cell])
     return float(np.sqrt(best))

@@ -190,8 +190,8 @@ class ObservationKind(Protocol):
 
 def needs_of(observations: Iterable[Any]) -> Needs:
     """Return what a robot must have for some observations, in the order of ``NEEDS``; without those that do not say."""
-    known = {need for item in observations for need in item.needs or ()}
-    return tuple(need for need in NEEDS if need in known)
+    kinds = {need for item in observations for need in item.needs or ()}
+    return tuple(need for need in NEEDS if need in kinds)
 
 
 class RewardKind(Protocol):

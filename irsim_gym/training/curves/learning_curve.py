@@ -42,8 +42,8 @@ def draw_curve(path: Path, points: Sequence[dict[str, float]], title: str) -> No
         each = [100.0 * point["individual_success"] for point in points]
         axes.plot(seconds, each, color=ACCENT, lw=1.2, ls=":", label="robots that arrive")
     for name in successes(points[0]):
-        own = [100.0 * point[f"{name}/success"] for point in points]
-        axes.plot(seconds, own, lw=0.9, marker=".", ms=3.0, zorder=1, label=fonts.label(name))
+        curve = [100.0 * point[f"{name}/success"] for point in points]
+        axes.plot(seconds, curve, lw=0.9, marker=".", ms=3.0, zorder=1, label=fonts.label(name))
     label = "robots that collide" if is_team else "collision"
     axes.plot(seconds, collision, color=FAILURE, lw=1.2, ls="--", label=label)
     for mark, side in ((95.0, "top"), (98.0, "bottom")):

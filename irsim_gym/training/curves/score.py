@@ -53,8 +53,8 @@ def score_run(
         A point for each checkpoint, in the order of steps.
     """
     settings = run.settings()
-    wanted = levels * len(settings.parts())
-    whole = [point for point in read_curve(run) if point["levels"] == wanted and set(COLUMNS) <= set(point)]
+    n_levels = levels * len(settings.parts())
+    whole = [point for point in read_curve(run) if point["levels"] == n_levels and set(COLUMNS) <= set(point)]
     points = {int(point["steps"]): point for point in whole}
     waiting = [path for path in list_checkpoints(run.checkpoints) if int(path.name) not in points]
     if waiting:
@@ -69,8 +69,8 @@ def score_run(
         with progress_bar(screen) as bar:
             for path in bar.track(waiting, description="scoring checkpoints"):
                 policy, figures = load_policy(path / "policy.zip"), partial(_figures, team=settings.is_team)
-                found = {name: figures(policy, episodes, levels, optima) for name, episodes, optima in places}
-                point = _point(load_progress(path), combined(found))
+                scores = {name: figures(policy, episodes, levels, optima) for name, episodes, optima in places}
+                point = _point(load_progress(path), combined(scores))
                 points[int(point["steps"])] = point
                 _write(run, _sorted(points))
     curve = _sorted(points)
@@ -115,26 +115,26 @@ def scenario_title(settings: Settings) -> str:
     return with_parameters(settings.scenario, settings.parameters)
 
 
-def combined(found: Mapping[str, Point]) -> Point:
+def combined(points: Mapping[str, Point]) -> Point:
     """Return the scores of a single scenario, or the overall scores of several with those of each as ``NAME/SCORE``.
 
     Overall, ``levels`` is the sum, and all other scores are means, because each scenario has the same number of levels.
     The confidence interval is computed for all levels together.
     """
-    if len(found) == 1:
-        return next(iter(found.values()))
-    parts = list(found.values())
+    if len(points) == 1:
+        return next(iter(points.values()))
+    parts = list(points.values())
     point = {name: sum(part[name] for part in parts) / len(parts) for name in parts[0]}
     point["levels"] = sum(part["levels"] for part in parts)
     low, high = wilson(round(point["success"] * point["levels"]), point["levels"])
     point |= {"success_low": low, "success_high": high}
-    return point | {f"{name}/{key}": value for name, part in found.items() for key, value in part.items()}
+    return point | {f"{name}/{key}": value for name, part in points.items() for key, value in part.items()}
 
 
 def scenario_point(point: Point, name: str) -> Point:
     """Return the scores in one scenario from a point of a mixture's curve."""
-    own = {key.removeprefix(f"{name}/"): value for key, value in point.items() if key.startswith(f"{name}/")}
-    return {**{key: point[key] for key in PROGRESS}, **own}
+    values = {key.removeprefix(f"{name}/"): value for key, value in point.items() if key.startswith(f"{name}/")}
+    return {**{key: point[key] for key in PROGRESS}, **values}
 
 
 def _sorted(points: dict[int, Point]) -> list[Point]:

@@ -103,9 +103,9 @@ def said_of_seeds(shares: Sequence[float], worst: Mapping[str, float] | None) ->
 
 def label(conditions: Figures, every: Sequence[Figures]) -> str:
     """Return the label of a test: the parameters that differ between tests, or all parameters of a single test."""
-    own = conditions["parameters"]
-    differing = [name for name in own if len({str(other["parameters"].get(name)) for other in every}) > 1]
-    return ", ".join(f"{name}={own[name]}" for name in differing or own) or str(conditions["scenario"])
+    parameters = conditions["parameters"]
+    differing = [name for name in parameters if len({str(other["parameters"].get(name)) for other in every}) > 1]
+    return ", ".join(f"{name}={parameters[name]}" for name in differing or parameters) or str(conditions["scenario"])
 
 
 def read_seed(run: Path, tests: Mapping[str, Figures], part: str | None = None) -> Figures:
@@ -146,10 +146,10 @@ def read_seed(run: Path, tests: Mapping[str, Figures], part: str | None = None) 
 
 
 def _row_of(policy: str, test: Figures) -> Figures:
-    found = [row for row in test["policies"] if row["policy"] == policy]
-    if not found:
+    rows = [row for row in test["policies"] if row["policy"] == policy]
+    if not rows:
         raise IrsimGymError(f"'{policy}' is not among the policies of the test on {test['conditions']['parameters']}")
-    return {**found[0], "worst": test["worst"][policy]} if "worst" in test else dict(found[0])
+    return {**rows[0], "worst": test["worst"][policy]} if "worst" in test else dict(rows[0])
 
 
 def _median(rows: Sequence[Figures], key: str) -> float:

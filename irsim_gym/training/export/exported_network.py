@@ -109,7 +109,7 @@ def _actor(model: BaseAlgorithm) -> tuple[nn.Module, list[Step], str]:
         *before, last = actor.mu
         if not isinstance(last, nn.Tanh):
             raise UnfitNetworkError(f"the network of {type(policy).__name__} does not end with Tanh")
-        return actor.features_extractor, [step for one in before for step in _steps(one)], "squash"
+        return actor.features_extractor, [step for layer in before for step in _steps(layer)], "squash"
     if not hasattr(policy, "mlp_extractor") or getattr(policy, "squash_output", False):
         raise UnfitNetworkError(f"networks of {type(policy).__name__} cannot be exported")
     layers = [*_steps(policy.mlp_extractor.policy_net), *_steps(policy.action_net)]

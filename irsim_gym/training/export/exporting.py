@@ -65,12 +65,12 @@ def export(
     if not isinstance(loaded, SavedPolicy) or not isinstance(loaded.model, BaseAlgorithm):
         raise IrsimGymError(f"{source} is not a trained policy of Stable-Baselines3")
     network = export_network(loaded.model, loaded.normalization)
-    found = [part for file in results for part in read_results(file, source)]
-    settings, training = _training(source, found)
+    parts = [part for file in results for part in read_results(file, source)]
+    settings, training = _training(source, parts)
     scenario = _scenario(source, settings)
-    own = _own_settings(source, settings)
-    episodes = own.request().episodes(1)
-    network.form["perception"] = own.perception().to_plain()
+    complete = _own_settings(source, settings)
+    episodes = complete.request().episodes(1)
+    network.form["perception"] = complete.perception().to_plain()
     driver = ShelfPolicy(network.form, network.arrays)
     SavedPolicy(driver).check(episodes)
     content = _content(network)
@@ -82,7 +82,7 @@ def export(
         action=_action(episodes),
         network=cards.CardNetwork(layers=network.layers, weights=network.weights),
         training=training,
-        results=_given(found, scenario) or _evaluated(settings, own, driver, levels),
+        results=_given(parts, scenario) or _evaluated(settings, complete, driver, levels),
         weaknesses=tuple(weaknesses),
         sha256=hashlib.sha256(content).hexdigest(),
         size=len(content),
@@ -135,31 +135,31 @@ def _content(network: ExportedNetwork) -> bytes:
     return content.getvalue()
 
 
-def _training(source: Path, found: Sequence[SeedResults]) -> tuple[Settings, cards.CardTraining]:
+def _training(source: Path, parts: Sequence[SeedResults]) -> tuple[Settings, cards.CardTraining]:
     """Return the settings and the cost of a policy's training.
 
     Raises:
         IrsimGymError: If they are unknown: the policy is not in a run's folder, and no results name them.
     """
-    known = next((part.run for part in found if part.run is not None), None) or _run_record(source)
-    if known is None:
+    record = next((part.run for part in parts if part.run is not None), None) or _run_record(source)
+    if record is None:
         raise IrsimGymError(
             f"the settings and the cost of the training of {source} are not known: name the run's folder, or give "
             "--results with a file of agents/summarize.py"
         )
-    settings = Settings.from_plain(known["settings"])
-    seeds = next((part.seeds for part in found if part.seeds), (settings.seed,))
+    settings = Settings.from_plain(record["settings"])
+    seeds = next((part.seeds for part in parts if part.seeds), (settings.seed,))
     return settings, cards.CardTraining(
         algorithm=settings.algorithm,
         hyperparameters=settings.hyperparameters.to_plain(),
         seed=settings.seed,
         seeds=seeds,
-        machine=known["machine"],
+        machine=record["machine"],
         mixture=tuple(
-            cards.CardPart(name=_file_name(one.scenario), parameters=plain(dict(one.parameters)), share=one.share)
-            for one in settings.mixture
+            cards.CardPart(name=_file_name(item.scenario), parameters=plain(dict(item.parameters)), share=item.share)
+            for item in settings.mixture
         ),
-        **{name: known[name] for name in ("steps", "training_seconds", "cpu_seconds")},
+        **{name: record[name] for name in ("steps", "training_seconds", "cpu_seconds")},
     )
 
 
@@ -172,7 +172,7 @@ def _run_record(source: Path) -> dict[str, Any] | None:
     if not run.exists():
         return None
     checkpoints = list_checkpoints(run.checkpoints)
-    chosen = [one for one in checkpoints if source in (one, one / POLICY)]
+    chosen = [path for path in checkpoints if source in (path, path / POLICY)]
     if not chosen and (not run.finished() or not checkpoints):
         raise IrsimGymError(
             f"{run.folder} is not finished: resume it, then export its policy, or export one of its checkpoints"
@@ -225,35 +225,35 @@ def _action(episodes: Episodes) -> cards.CardAction:
     return cards.CardAction(name=term.name, components=components, choices=episodes.n_discrete or None)
 
 
-def _given(found: Sequence[SeedResults], scenario: cards.CardScenario) -> tuple[cards.CardResult, ...]:
+def _given(parts: Sequence[SeedResults], scenario: cards.CardScenario) -> tuple[cards.CardResult, ...]:
     """Return the results that files contain, without the name of the card's own scenario."""
-    own = Path(scenario.name).stem
-    results = (part.result for part in found)
-    return tuple(one.model_copy(update={"scenario": None}) if one.scenario == own else one for one in results)
+    stem = Path(scenario.name).stem
+    results = (part.result for part in parts)
+    return tuple(item.model_copy(update={"scenario": None}) if item.scenario == stem else item for item in results)
 
 
 def _evaluated(settings: Settings, place: Settings, driver: ShelfPolicy, levels: int) -> tuple[cards.CardResult, ...]:
     """Evaluate the exported policy in each scenario that it was trained in, and return the results."""
     parts = zip(settings.parts(), place.parts(), strict=True)
-    found = [_evaluate(part, where, driver, levels) for part, where in parts]
-    first = found[0].scenario
-    return tuple(one.model_copy(update={"scenario": None}) if one.scenario == first else one for one in found)
+    results = [_evaluate(part, where, driver, levels) for part, where in parts]
+    first = results[0].scenario
+    return tuple(item.model_copy(update={"scenario": None}) if item.scenario == first else item for item in results)
 
 
 def _evaluate(settings: Settings, place: Settings, driver: ShelfPolicy, levels: int) -> cards.CardResult:
     """Evaluate the exported policy on ``test`` levels of one scenario, whose copy ``place`` names."""
-    asked, name = place.request(), _file_name(settings.scenario)
-    found = evaluate_policies(asked, {name: driver}, levels=levels, references=False)
-    figures: Any = found.summaries[0]
+    request, name = place.request(), _file_name(settings.scenario)
+    evaluation = evaluate_policies(request, {name: driver}, levels=levels, references=False)
+    figures: Any = evaluation.summaries[0]
     success = figures.success if isinstance(figures, Summary) else figures.cooperative_success
     return cards.CardResult(
-        split=found.split,
+        split=evaluation.split,
         levels=levels,
-        level_hash=found.level_set.hash,
+        level_hash=evaluation.level_set.hash,
         parameters=plain(dict(settings.parameters)),
-        team=asked.team,
+        team=request.team,
         success=plain(success),
-        individual_success=plain(figures.individual_success) if asked.team else None,
+        individual_success=plain(figures.individual_success) if request.team else None,
         collision=figures.collision.value,
         timeout=figures.timeout.value,
         spl=figures.spl,

@@ -45,9 +45,9 @@ def read_results(file: Path, policy: Path) -> list[SeedResults]:
         tests = list(_tests(data))
         seeds = data.get("seeds", [])
         runs = {seed["run"]: seed for seed in seeds}
-        found = [_result(file, rows, conditions, _own(rows, policy)) for conditions, rows in tests]
+        results = [_result(file, rows, conditions, _own(rows, policy)) for conditions, rows in tests]
         numbers = tuple(int(seed["settings"]["seed"]) for seed in seeds)
-    return [SeedResults(result, runs.get(name), numbers) for name, result in found]
+    return [SeedResults(result, runs.get(name), numbers) for name, result in results]
 
 
 def _tests(data: Mapping[str, Any]) -> Iterator[tuple[dict[str, Any], Rows]]:
@@ -58,18 +58,18 @@ def _tests(data: Mapping[str, Any]) -> Iterator[tuple[dict[str, Any], Rows]]:
     elif "split" in conditions:
         yield conditions, [seed["test"] for seed in data["seeds"]]
     else:
-        for label, own in conditions.items():
-            yield own, [seed["test"][label] for seed in data["seeds"]]
+        for label, chosen in conditions.items():
+            yield chosen, [seed["test"][label] for seed in data["seeds"]]
 
 
 def _own(rows: Rows, policy: Path) -> dict[str, Any]:
     """Return the row of a policy."""
     called = policy.parent.name if policy.name == POLICY else policy.stem if policy.is_file() else policy.name
-    own = [row for row in rows if called == row["policy"] or called.endswith(f"_{row['policy']}")]
-    if len(own) != 1:
+    matches = [row for row in rows if called == row["policy"] or called.endswith(f"_{row['policy']}")]
+    if len(matches) != 1:
         names = ", ".join(row["policy"] for row in rows)
         raise ValueError(f"it has no row of its own for '{called}'; there are {names}")
-    return own[0]
+    return matches[0]
 
 
 def _result(file: Path, rows: Rows, conditions: Mapping[str, Any], row: Mapping[str, Any]) -> tuple[str, CardResult]:
@@ -86,7 +86,7 @@ def _result(file: Path, rows: Rows, conditions: Mapping[str, Any], row: Mapping[
         collision=row["collision"]["value"],
         timeout=row["timeout"]["value"],
         spl=row["spl"],
-        seeds={one["policy"]: one[key]["value"] for one in rows} if len(rows) > 1 else {},
+        seeds={row["policy"]: row[key]["value"] for row in rows} if len(rows) > 1 else {},
         source=file.name,
         scenario=conditions.get("scenario"),
     )

@@ -108,10 +108,10 @@ def _check_run(run: Run, settings: Settings, now: Snapshot, resume: bool, screen
     """Check that the run in the folder has the requested settings, and that an unfinished one is to be resumed."""
     before = run.snapshot()
     changed = [] if before is None else [*differences(before, now), *run.changes_in_others(settings)]
-    found = [*setting_differences(run.settings(), settings), *([] if resume else changed)]
+    differing = [*setting_differences(run.settings(), settings), *([] if resume else changed)]
     ways = "choose another folder with --out, or replace the run with --overwrite"
-    if found:
-        raise IrsimGymError(f"{run.folder} holds a run with other settings ({listed(found)}); {ways}")
+    if differing:
+        raise IrsimGymError(f"{run.folder} holds a run with other settings ({listed(differing)}); {ways}")
     if not resume and not run.finished() and stored.list_checkpoints(run.checkpoints):
         raise IrsimGymError(f"{run.folder} holds an unfinished run; continue it with --resume, {ways}")
     if changed:
@@ -148,7 +148,7 @@ def _learn(
     on_checkpoint: Callable[[Run], object] | None,
 ) -> None:
     """Learn until the end of the run or until a signal, and write a checkpoint in both cases."""
-    wanted, stop = settings.hyperparameters, StopRequest()
+    hyper, stop = settings.hyperparameters, StopRequest()
     stored.remove_partial(run.checkpoints)
     model.set_logger(tensorboard_logger(run))
 
@@ -164,12 +164,12 @@ def _learn(
             if ends_here:
                 raise StopLearningError
 
-    watch = TrainingMonitor(progress, wanted.n_timesteps, wanted.checkpoint_every, save_and_show, stop, console)
+    watch = TrainingMonitor(progress, hyper.n_timesteps, hyper.checkpoint_every, save_and_show, stop, console)
     mirrored = models.mirror_callback(settings)
     callbacks: list[BaseCallback] = [watch, LogCallback(), *filter(None, [mirrored])]
     with stop.listening():
         try:
-            left = wanted.n_timesteps - model.num_timesteps
+            left = hyper.n_timesteps - model.num_timesteps
             model.learn(max(left, 0), callback=callbacks, reset_num_timesteps=False)
             watch.update_progress()
         except StopLearningError:

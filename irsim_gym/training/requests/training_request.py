@@ -105,18 +105,18 @@ class TrainingRequest:
             return self._scenario_settings(algorithm)
         if self.parameters:
             raise IrsimGymError("--set is for one scenario: with --mixture write SCENARIO:NAME=VALUE")
-        found = [
+        settings = [
             replace(self, scenario=part.scenario, parameters=part.parameters, mixture=())._scenario_settings(algorithm)
             for part in self.mixture
         ]
-        mixed_up = perception_differences({one.scenario: one.perception() for one in found})
+        mixed_up = perception_differences({part.scenario: part.perception() for part in settings})
         if mixed_up:
             raise IrsimGymError(
                 f"one policy needs one perception, but {listed(mixed_up)}; --task lets all of them observe alike"
             )
-        pairs = zip(self.mixture, found, strict=True)
+        pairs = zip(self.mixture, settings, strict=True)
         mixed = tuple(MixturePart(one.scenario, one.parameters, part.share) for part, one in pairs)
-        return replace(found[0], mixture=mixed)
+        return replace(settings[0], mixture=mixed)
 
     def _scenario_settings(self, algorithm: str) -> Settings:
         """Return the settings for a single scenario."""
@@ -132,9 +132,9 @@ class TrainingRequest:
             "file": self.hyperparameters,
             "changes": self.changes,
         }
-        found = load_hyperparameters(*names, **chosen_file, overrides=self.overrides)
+        hyperparameters = load_hyperparameters(*names, **chosen_file, overrides=self.overrides)
         task = None if self.task is None else lasting(self.task)
-        settings = Settings(named, algorithm, self.seed, task, found, loaded.parameters, self.strict)
+        settings = Settings(named, algorithm, self.seed, task, hyperparameters, loaded.parameters, self.strict)
         if settings.is_team:  # its robots have to fit each other, too
             settings.load_task()
         return settings
@@ -168,13 +168,13 @@ class TrainingRequest:
             IrsimGymError: If the run was started with other settings.
         """
         begun = run.settings()
-        wanted = replace(
+        requested = replace(
             settings,
             origin=begun.origin if self.origin is None else settings.origin,
             algorithm=begun.algorithm if self.algorithm is None else settings.algorithm,
             hyperparameters=self._hyperparameters_of(begun, settings),
         )
-        other = setting_differences(begun, wanted)
+        other = setting_differences(begun, requested)
         if other:
             raise IrsimGymError(
                 f"{run.folder} holds a run with {listed(other)}: its schedule cannot change during a run; choose "
@@ -186,11 +186,11 @@ class TrainingRequest:
         """Return the hyper-parameters of a run, with those that the user sets."""
         if self.hyperparameters is not None:
             return replace(settings.hyperparameters, device=begun.hyperparameters.device)
-        own = {name: value for name, value in self.overrides.items() if name != "device"}
-        known = begun.hyperparameters.to_plain()
+        changes = {name: value for name, value in self.overrides.items() if name != "device"}
+        values = begun.hyperparameters.to_plain()
         if self.changes:
-            known = change_hyperparameters(known, self.changes, find_algorithm(begun.algorithm))
-        return replace(Hyperparameters.from_plain(known), **own)
+            values = change_hyperparameters(values, self.changes, find_algorithm(begun.algorithm))
+        return replace(Hyperparameters.from_plain(values), **changes)
 
     def choose_folder(self, settings: Settings, resume: bool, overwrite: bool) -> tuple[Path, str]:
         """Choose the folder of a run if the user names none, and return it with a remark, which may be empty.

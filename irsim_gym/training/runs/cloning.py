@@ -137,7 +137,7 @@ def imitate(
     policy = model.policy
     assert isinstance(policy, ActorCriticPolicy)
     targets: NDArray[Any] = np.clip(actions, -1.0, 1.0) if isinstance(model.action_space, Box) else actions
-    wanted = torch.as_tensor(targets, device=policy.device)
+    target = torch.as_tensor(targets, device=policy.device)
     optimizer = torch.optim.Adam(policy.parameters(), lr=LEARNING_RATE)
     batches = -(-len(observations) // BATCH)
     schedule = torch.optim.lr_scheduler.LinearLR(optimizer, 1.0, 0.0, epochs * batches)
@@ -147,8 +147,8 @@ def imitate(
             order = torch.randperm(len(observations))
             for part in (order[k : k + BATCH] for k in range(0, len(observations), BATCH)):
                 rows, _ = policy.obs_to_tensor(observations[part.numpy()])
-                found = policy.get_distribution(rows)
-                loss = _loss(found, wanted[part])
+                distribution = policy.get_distribution(rows)
+                loss = _loss(distribution, target[part])
                 optimizer.zero_grad()
                 loss.backward()  # type: ignore[no-untyped-call]
                 optimizer.step()
@@ -156,9 +156,9 @@ def imitate(
     policy.set_training_mode(False)
 
 
-def _loss(found: Any, wanted: torch.Tensor) -> torch.Tensor:
+def _loss(distribution: Any, target: torch.Tensor) -> torch.Tensor:
     """Return the squared error of the mean for a Gaussian, else the negative log-likelihood of the actions."""
-    if isinstance(found, DiagGaussianDistribution):
-        return torch.nn.functional.mse_loss(found.distribution.mean, wanted.float())
-    probability: torch.Tensor = found.log_prob(wanted)
+    if isinstance(distribution, DiagGaussianDistribution):
+        return torch.nn.functional.mse_loss(distribution.distribution.mean, target.float())
+    probability: torch.Tensor = distribution.log_prob(target)
     return -probability.mean()

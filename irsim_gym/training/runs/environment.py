@@ -36,13 +36,13 @@ def build_environment(settings: Settings, normalization: Path | None = None) -> 
     Args:
         normalization: File with saved statistics of ``VecNormalize``; None to start without.
     """
-    wanted = settings.hyperparameters
-    env: VecEnv = make_worlds(settings, wanted.n_envs)
-    if wanted.reward_scale != 1.0:
-        env = ScaledReward(env, wanted.reward_scale)
-    if wanted.normalize is not None:
-        arguments = {"gamma": wanted.arguments.get("gamma", 0.99), **wanted.normalize}
-        kind = VecNormalize if wanted.team is None else sb3.MaskedVecNormalize
+    hyper = settings.hyperparameters
+    env: VecEnv = make_worlds(settings, hyper.n_envs)
+    if hyper.reward_scale != 1.0:
+        env = ScaledReward(env, hyper.reward_scale)
+    if hyper.normalize is not None:
+        arguments = {"gamma": hyper.arguments.get("gamma", 0.99), **hyper.normalize}
+        kind = VecNormalize if hyper.team is None else sb3.MaskedVecNormalize
         env = kind(env, **arguments) if normalization is None else kind.load(str(normalization), env)
     return env
 
@@ -54,7 +54,7 @@ def make_worlds(settings: Settings, n_envs: int, max_steps: int | None = None) -
         max_steps: Time limit [steps]; None for the task's own.
     """
     if settings.mixture:
-        counts = shared_worlds([one.share for one in settings.mixture], n_envs)
+        counts = shared_worlds([part.share for part in settings.mixture], n_envs)
         parts = zip(settings.names, settings.parts(), counts, strict=True)
         return sb3.MixtureVecEnv({name: make_worlds(part, count, max_steps) for name, part, count in parts})
     mode = settings.hyperparameters.team

@@ -18,7 +18,7 @@ def extend(run: Run, steps: int, until: float | None) -> str:
         IrsimGymError: The run is not finished, or what it needs to go on is not on disk.
     """
     settings, newest = run.settings(), newest_checkpoint(run.checkpoints)
-    wanted = settings.hyperparameters
+    hyper = settings.hyperparameters
     if not run.finished():
         raise IrsimGymError(
             f"--more-steps is for finished runs, and {run.folder} is not: continue it with --resume alone"
@@ -32,8 +32,8 @@ def extend(run: Run, steps: int, until: float | None) -> str:
         raise IrsimGymError(f"{run.folder} cannot go on: {why}; --from {run.folder} starts a new run with its policy")
     before = load_progress(newest).steps
     total = before + steps
-    run.change(replace(settings, hyperparameters=replace(wanted, n_timesteps=total, until=until)))
+    run.change(replace(settings, hyperparameters=replace(hyper, n_timesteps=total, until=until)))
     run.policy.unlink()
-    falling = [key for key, value in wanted.arguments.items() if isinstance(value, str) and value.startswith("lin_")]
+    falling = [key for key, value in hyper.arguments.items() if isinstance(value, str) and value.startswith("lin_")]
     schedules = f"; {', '.join(falling)} goes on at {1 - before / total:.0%} of its start, to 0" if falling else ""
     return f"going on from {before:,} to {total:,} steps{schedules}"

@@ -52,7 +52,7 @@ def _model(policy: SavedPolicy) -> BaseAlgorithm:
 def algorithm_of(policy: SavedPolicy) -> str:
     """Return the name of the algorithm that a policy was trained with."""
     kind = type(_model(policy)).__name__
-    return next(name for name, one in ALGORITHMS.items() if one.class_name == kind)
+    return next(name for name, item in ALGORITHMS.items() if item.class_name == kind)
 
 
 def inherit_settings(settings: Settings, file: Path, policy: SavedPolicy) -> Settings:
@@ -65,17 +65,17 @@ def inherit_settings(settings: Settings, file: Path, policy: SavedPolicy) -> Set
         raise IrsimGymError(
             f"{file} was trained with {algorithm_of(policy)}, not {settings.algorithm}: --from needs the same algorithm"
         )
-    wanted = settings.hyperparameters
-    own = dict(wanted.arguments.get("policy_kwargs") or {})
-    kept = {name: value for name, value in own.items() if name not in SHAPES}
-    networks = {**kept, **_plain_networks(file, _model(policy).policy_kwargs or {})}
+    hyper = settings.hyperparameters
+    policy_arguments = dict(hyper.arguments.get("policy_kwargs") or {})
+    rest = {name: value for name, value in policy_arguments.items() if name not in SHAPES}
+    networks = {**rest, **_plain_networks(file, _model(policy).policy_kwargs or {})}
     return replace(
         settings,
         origin={"policy": str(file.resolve()), "sha256": hashlib.sha256(file.read_bytes()).hexdigest()},
         hyperparameters=replace(
-            wanted,
-            arguments={**wanted.arguments, "policy_kwargs": networks},
-            normalize=_normalization(policy.normalization, wanted.normalize),
+            hyper,
+            arguments={**hyper.arguments, "policy_kwargs": networks},
+            normalize=_normalization(policy.normalization, hyper.normalize),
         ),
     )
 
@@ -84,22 +84,22 @@ def _plain_networks(file: Path, networks: Mapping[str, object]) -> dict[str, Any
     """Return the arguments that determine the networks, as in a hyper-parameter file."""
     if "features_extractor_class" in networks:
         raise IrsimGymError(f"{file} has a custom features extractor, which --from does not support")
-    found = {name: networks[name] for name in SHAPES if name in networks}
-    if "activation_fn" in found:
-        called = getattr(found["activation_fn"], "__name__", str(found["activation_fn"]))
-        names = {made: name for name, made in ACTIVATIONS.items()}
+    shapes = {name: networks[name] for name in SHAPES if name in networks}
+    if "activation_fn" in shapes:
+        called = getattr(shapes["activation_fn"], "__name__", str(shapes["activation_fn"]))
+        names = {activation: name for name, activation in ACTIVATIONS.items()}
         if called not in names:
             raise IrsimGymError(f"{file} has the activation function {called}, which --from does not support")
-        found["activation_fn"] = names[called]
-    return found
+        shapes["activation_fn"] = names[called]
+    return shapes
 
 
-def _normalization(learned: VecNormalize | None, wanted: Mapping[str, object] | None) -> Mapping[str, Any] | None:
+def _normalization(learned: VecNormalize | None, options: Mapping[str, object] | None) -> Mapping[str, Any] | None:
     if learned is None:
         return None
-    own = {"norm_obs": learned.norm_obs, "norm_reward": learned.norm_reward}
+    norms = {"norm_obs": learned.norm_obs, "norm_reward": learned.norm_reward}
     keys = {} if learned.norm_obs_keys is None else {"norm_obs_keys": list(learned.norm_obs_keys)}
-    return {**own, **(wanted or {}), **keys, "norm_obs": learned.norm_obs}
+    return {**norms, **(options or {}), **keys, "norm_obs": learned.norm_obs}
 
 
 def _columns(space: Space[Any]) -> int:
@@ -107,15 +107,15 @@ def _columns(space: Space[Any]) -> int:
     return space.shape[0] if isinstance(space, Box) and len(space.shape) == 1 else 0
 
 
-def _widened(learned: Mapping[str, Tensor], here: Mapping[str, Tensor]) -> dict[str, Tensor]:
+def _widened(learned: Mapping[str, Tensor], current: Mapping[str, Tensor]) -> dict[str, Tensor]:
     """Return weights for more observations: those of the columns that come last are zero, so that actions are equal."""
-    lengths = {name: here[name].shape[-1] - one.shape[-1] for name, one in learned.items() if one.ndim == 2}
-    return {name: pad(one, (0, lengths[name])) if lengths.get(name, 0) > 0 else one for name, one in learned.items()}
+    lengths = {name: current[name].shape[-1] - item.shape[-1] for name, item in learned.items() if item.ndim == 2}
+    return {name: pad(item, (0, lengths[name])) if lengths.get(name, 0) > 0 else item for name, item in learned.items()}
 
 
-def _misfit(file: Path, what: str, learned: Space[Any], here: Space[Any]) -> IrsimGymError:
+def _misfit(file: Path, what: str, learned: Space[Any], task: Space[Any]) -> IrsimGymError:
     return IrsimGymError(
-        f"{file} was trained with {what} {form_of(learned)}, but this task has {form_of(here)}: --from needs the same, "
+        f"{file} was trained with {what} {form_of(learned)}, but this task has {form_of(task)}: --from needs the same, "
         "or more observations at the end of a vector without normalisation"
     )
 
@@ -132,9 +132,9 @@ def copy_weights(model: BaseAlgorithm, settings: Settings) -> None:
     file, policy = load_origin(settings.origin["policy"])
     learned = _model(policy)
     weights = learned.policy.state_dict()
-    names, known = settings.perception().names, [] if policy.perception is None else policy.perception.names
+    names, before = settings.perception().names, [] if policy.perception is None else policy.perception.names
     more = _columns(learned.observation_space) < _columns(model.observation_space)
-    if more and policy.normalization is None and names[: len(known)] == known:
+    if more and policy.normalization is None and names[: len(before)] == before:
         weights = _widened(weights, model.policy.state_dict())
     elif form_of(learned.observation_space) != form_of(model.observation_space):
         raise _misfit(file, "observations", learned.observation_space, model.observation_space)

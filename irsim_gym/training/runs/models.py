@@ -34,23 +34,23 @@ def algorithm_class(settings: Settings) -> type[BaseAlgorithm]:
     return find_algorithm(settings.algorithm).load(settings.is_team)
 
 
-def resolve_device(wanted: str) -> str:
+def resolve_device(device: str) -> str:
     """Return a device of PyTorch, with ``auto`` resolved.
 
     Raises:
         IrsimGymError: If the device is unknown or not available.
     """
-    if wanted == "auto":
+    if device == "auto":
         return "cuda" if torch.cuda.is_available() else "cpu"
-    kind, _, number = wanted.partition(":")
+    kind, _, number = device.partition(":")
     there = {"cpu": True, "cuda": torch.cuda.is_available(), "mps": torch.backends.mps.is_available()}
     if kind not in there:
-        raise IrsimGymError(f"device must be auto, cpu, cuda, cuda:1 (and so on) or mps, got '{wanted}'")
+        raise IrsimGymError(f"device must be auto, cpu, cuda, cuda:1 (and so on) or mps, got '{device}'")
     if not there[kind]:
-        raise IrsimGymError(f"device {wanted}: PyTorch {torch.__version__} finds none here; use cpu or auto")
+        raise IrsimGymError(f"device {device}: PyTorch {torch.__version__} finds none here; use cpu or auto")
     if kind == "cuda" and number and not int(number) < torch.cuda.device_count():
-        raise IrsimGymError(f"device {wanted}: there are cuda:0 to cuda:{torch.cuda.device_count() - 1} here")
-    return wanted
+        raise IrsimGymError(f"device {device}: there are cuda:0 to cuda:{torch.cuda.device_count() - 1} here")
+    return device
 
 
 def network_kind(space: Space[Any]) -> str:
@@ -62,11 +62,11 @@ def network_kind(space: Space[Any]) -> str:
 
 def dict_policy_arguments(policy: Mapping[str, Any]) -> dict[str, Any]:
     """Return the arguments of a policy for dict observations, where ``features_dim`` is named ``cnn_output_dim``."""
-    given = dict(policy.get("features_extractor_kwargs") or {})
-    if "features_dim" not in given or "features_extractor_class" in policy:
+    arguments = dict(policy.get("features_extractor_kwargs") or {})
+    if "features_dim" not in arguments or "features_extractor_class" in policy:
         return dict(policy)
-    given["cnn_output_dim"] = given.pop("features_dim")
-    return {**policy, "features_extractor_kwargs": given}
+    arguments["cnn_output_dim"] = arguments.pop("features_dim")
+    return {**policy, "features_extractor_kwargs": arguments}
 
 
 def new_model(settings: Settings) -> BaseAlgorithm:
@@ -124,16 +124,16 @@ def check_finite(run: Run, settings: Settings, model: BaseAlgorithm) -> None:
     Raises:
         IrsimGymError: They are not. The message names the newest checkpoint, whose numbers are.
     """
-    logarithms = [one for name, one in model.policy.named_parameters() if name == "log_std"]
-    deviations = [part for one in logarithms for part in (one.exp(), (-one).exp())]
-    if all(bool(torch.isfinite(one).all()) for one in (*model.policy.parameters(), *deviations)):
+    logarithms = [tensor for name, tensor in model.policy.named_parameters() if name == "log_std"]
+    deviations = [part for tensor in logarithms for part in (tensor.exp(), (-tensor).exp())]
+    if all(bool(torch.isfinite(tensor).all()) for tensor in (*model.policy.parameters(), *deviations)):
         return
     newest = stored.newest_checkpoint(run.checkpoints)
     rate = settings.hyperparameters.arguments.get("learning_rate")
-    kept = f"the newest checkpoint is kept, --from {newest} starts there" if newest else "there is no checkpoint yet"
+    advice = f"the newest checkpoint is kept, --from {newest} starts there" if newest else "there is no checkpoint yet"
     raise IrsimGymError(
         f"the training has diverged after {model.num_timesteps:,} steps, its networks are not finite: take a smaller "
-        f"learning_rate (it was {rate}) or max_grad_norm; {kept}"
+        f"learning_rate (it was {rate}) or max_grad_norm; {advice}"
     )
 
 

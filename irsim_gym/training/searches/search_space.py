@@ -41,8 +41,8 @@ class Range:
 
     def problems(self) -> list[tuple[str, str]]:
         """Return the contradictions between the options, each with its key."""
-        found = [] if self.low < self.high else [("high", f"must be greater than low, got {show(self.high)}")]
-        return [*found, *([("low", "must be > 0 with log: true")] if self.log and self.low <= 0 else [])]
+        problems = [] if self.low < self.high else [("high", f"must be greater than low, got {show(self.high)}")]
+        return [*problems, *([("low", "must be > 0 with log: true")] if self.log and self.low <= 0 else [])]
 
     def ends(self) -> tuple[Any, ...]:
         """Return the smallest and the largest value, as a hyper-parameter file contains them."""

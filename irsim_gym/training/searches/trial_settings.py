@@ -35,13 +35,13 @@ def trial_settings(request: TrainingRequest, drawn: Mapping[Axis, Any], place: P
     parts: dict[str, dict[str, Any]] = {"hyperparameters": {}, "rewards": {}, "parameters": {}}
     for part, key in (axis for axis in drawn if len(axis) > 1):
         parts[part][key] = drawn[part, key]
-    own: dict[str, Any] = {
+    values: dict[str, Any] = {
         "scenario": drawn.get(("scenario",), request.scenario),
         "seed": drawn.get(("seeds",), request.seed),
         "parameters": {**(request.parameters or {}), **parts["parameters"]} or None,
         "changes": {**(request.changes or {}), **parts["hyperparameters"]} or None,
     }
-    settings = replace(request, **own).settings()
+    settings = replace(request, **values).settings()
     if settings.hyperparameters.until is not None:
         raise IrsimGymError("'until' ends a single training: it does not go with tune")
     if parts["rewards"]:

@@ -187,7 +187,7 @@ def _enqueue(tuning: Tuning, n_trials: int, points: Sequence[dict[str, Any]]) ->
 
     study = tuning.study()
     open_trials = study.get_trials(deepcopy=False, states=(TrialState.RUNNING, TrialState.WAITING))
-    values = dict(enumerate(points)) | {one.user_attrs["trial"]: one.params for one in open_trials if one.params}
+    values = dict(enumerate(points)) | {item.user_attrs["trial"]: item.params for item in open_trials if item.params}
     for trial in open_trials:
         study._storage.set_trial_state_values(trial._trial_id, TrialState.FAIL)
     ended = {trial.user_attrs["trial"] for trial in results.ended_trials(study)}

@@ -48,21 +48,21 @@ def free_folder(first: Path, requested: Settings, now: Snapshot) -> tuple[Path, 
         run = Run(folder)
         if not run.exists():
             return folder, f"{first} holds a run with other settings ({listed(last)}): this one is new" if last else ""
-        found = run_differences(run, requested, now)
-        if not found:
+        differing = run_differences(run, requested, now)
+        if not differing:
             return folder, ""
-        last = last or found
+        last = last or differing
     raise AssertionError("there is always another number")
 
 
 def existing_folders(first: Path) -> list[Path]:
     """Return the existing folders of runs with a default name, oldest first."""
-    found: list[Path] = []
+    folders: list[Path] = []
     for folder in numbered(first, "-run"):
         if not Run(folder).exists():
-            return found
-        found.append(folder)
-    return found
+            return folders
+        folders.append(folder)
+    return folders
 
 
 def run_differences(run: Run, requested: Settings, now: Snapshot) -> list[str]:
@@ -72,8 +72,8 @@ def run_differences(run: Run, requested: Settings, now: Snapshot) -> list[str]:
         IrsimGymError: If the settings of the run on disk cannot be read.
     """
     before = run.snapshot()
-    found = setting_differences(run.settings(), requested)
-    return [*found, *([] if before is None else [*differences(before, now), *run.changes_in_others(requested)])]
+    differing = setting_differences(run.settings(), requested)
+    return [*differing, *([] if before is None else [*differences(before, now), *run.changes_in_others(requested)])]
 
 
 def setting_differences(begun: Settings, requested: Settings) -> list[str]:
@@ -101,7 +101,7 @@ def sole_writer(folder: Path) -> Iterator[None]:
         IrsimGymError: Another process trains into the folder.
     """
     place = folder.resolve()
-    made = [one for one in place.parents if not one.exists()]
+    new_folders = [folder for folder in place.parents if not folder.exists()]
     place.parent.mkdir(parents=True, exist_ok=True)
     try:
         with sole(place.with_name(f".{place.name}.lock")) as is_free:
@@ -112,8 +112,8 @@ def sole_writer(folder: Path) -> Iterator[None]:
             yield
     finally:
         with suppress(OSError):  # folders that hold something stay
-            for one in made:
-                one.rmdir()
+            for place_above in new_folders:
+                place_above.rmdir()
 
 
 def check_replaceable(run: Run) -> None:

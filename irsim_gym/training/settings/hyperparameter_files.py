@@ -50,10 +50,10 @@ def read_hyperparameters(
     if not isinstance(report.source.data, Mapping):
         report.add((), f"must be a mapping with the entry '{DEFAULT}', got {show(report.source.data)}")
     names = [DEFAULT, environment_id] if task is None else [DEFAULT, environment_id, f"{environment_id}/{task}"]
-    found = [name for name in names if name in entries]
-    chosen = {**below, **{key: value for name in found for key, value in entries[name].items()}}
+    present = [name for name in names if name in entries]
+    chosen = {**below, **{key: value for name in present for key, value in entries[name].items()}}
     if not report.problems:
-        _check_together(chosen, algorithm, found[-1] if found else DEFAULT, report)
+        _check_together(chosen, algorithm, present[-1] if present else DEFAULT, report)
     report.check()
     return chosen
 
@@ -82,8 +82,8 @@ def change_hyperparameters(
     if not report.problems:
         _check_together({**changed, **values}, algorithm, DEFAULT, report)
     if report.problems:
-        own = [replace(one, path=one.path.removeprefix(f"{DEFAULT}.")) for one in report.problems]
-        raise ScenarioError("--hp", own)
+        problems = [replace(problem, path=problem.path.removeprefix(f"{DEFAULT}.")) for problem in report.problems]
+        raise ScenarioError("--hp", problems)
     return {**changed, **values}
 
 
@@ -91,8 +91,8 @@ def with_value(data: Mapping[str, Any], key: str, value: object) -> dict[str, An
     """Return a copy of nested mappings in which a dotted key has the given value."""
     first, _, rest = key.partition(".")
     inner = data.get(first)
-    own = with_value(inner if isinstance(inner, Mapping) else {}, rest, value) if rest else value
-    return {**data, first: own}
+    below = with_value(inner if isinstance(inner, Mapping) else {}, rest, value) if rest else value
+    return {**data, first: below}
 
 
 def _entry(name: str, entry: object, algorithm: Algorithm, report: Report) -> dict[str, Any]:
@@ -109,11 +109,11 @@ def _entry(name: str, entry: object, algorithm: Algorithm, report: Report) -> di
     if not isinstance(entry, Mapping):
         report.add((name,), f"must be a mapping of hyper-parameters, got {show(entry)}")
         return {}
-    own, arguments = option_fields(declared.RunKeys), _arguments(algorithm)
+    run_keys, arguments = option_fields(declared.RunKeys), _arguments(algorithm)
     values: dict[str, Any] = {}
     for key, value in entry.items():
         place: Place = (name, key)
-        if key in own:
+        if key in run_keys:
             values[key] = _own_value(key, value, place, report)
         elif key in declared.GIVEN_ELSEWHERE:
             report.add(place, declared.GIVEN_ELSEWHERE[key])
@@ -124,39 +124,39 @@ def _entry(name: str, entry: object, algorithm: Algorithm, report: Report) -> di
         elif key in arguments:
             values[key] = _argument(key, value, algorithm, place, report)
         else:
-            report.add(place, _unknown(key, [*own, *arguments], algorithm))
+            report.add(place, _unknown(key, [*run_keys, *arguments], algorithm))
     return values
 
 
-def _unknown(key: str, known: list[str], algorithm: Algorithm) -> str:
-    others = [one.name for one in ALGORITHMS.values() if one is not algorithm and key in _arguments(one)]
+def _unknown(key: str, keys: list[str], algorithm: Algorithm) -> str:
+    others = [other.name for other in ALGORITHMS.values() if other is not algorithm and key in _arguments(other)]
     if others:
         return f"is a key of {', '.join(others)}, not of {algorithm.name}"
-    near = nearest(key, known)
+    near = nearest(key, keys)
     if near is not None:
         return f"unknown key (did you mean '{near}'?)"
-    return f"unknown key of {algorithm.name}; known: {', '.join(sorted(known))}"
+    return f"unknown key of {algorithm.name}; known: {', '.join(sorted(keys))}"
 
 
 @functools.cache
 def _arguments(algorithm: Algorithm) -> tuple[str, ...]:
     """Return the arguments of an algorithm that a file may set; none if the algorithm is not installed."""
     try:
-        found = inspect.signature(algorithm.load()).parameters
+        parameters = inspect.signature(algorithm.load()).parameters
     except IrsimGymError:  # its package is missing
         return ()
     left_out = {*declared.GIVEN_ELSEWHERE, "device"}
-    return tuple(name for name in found if name not in left_out and not name.endswith("_class"))
+    return tuple(name for name in parameters if name not in left_out and not name.endswith("_class"))
 
 
 def _own_value(key: str, value: object, place: Place, report: Report) -> Any:
     if key == "normalize":
         return _normalize(value, place, report)
     info = option_fields(declared.RunKeys)[key]
-    found = read_field(info, _whole(value) if info.annotation is int else value, place, report)
-    if key == "device" and isinstance(found, str) and not _DEVICE.fullmatch(found):
-        report.add(place, _no_device(found))
-    return found
+    checked_value = read_field(info, _whole(value) if info.annotation is int else value, place, report)
+    if key == "device" and isinstance(checked_value, str) and not _DEVICE.fullmatch(checked_value):
+        report.add(place, _no_device(checked_value))
+    return checked_value
 
 
 def check_device(name: str) -> None:
@@ -240,20 +240,20 @@ def _normalize(value: object, place: Place, report: Report) -> Any:
         return None
     from stable_baselines3.common.vec_env import VecNormalize
 
-    known = [name for name in inspect.signature(VecNormalize).parameters if name != "venv"]
-    for key, one in value.items():
-        number = _number(one)
-        if key not in known:
-            report.add((*place, key), f"unknown argument of VecNormalize{suggestion(key, known)}")
+    names = [name for name in inspect.signature(VecNormalize).parameters if name != "venv"]
+    for key, entry in value.items():
+        number = _number(entry)
+        if key not in names:
+            report.add((*place, key), f"unknown argument of VecNormalize{suggestion(key, names)}")
         elif key == "norm_obs_keys":
-            if not isinstance(one, list):
-                report.add((*place, key), f"must be a list of observations, got {show(one)}")
+            if not isinstance(entry, list):
+                report.add((*place, key), f"must be a list of observations, got {show(entry)}")
         elif key in SWITCHES:
-            if not isinstance(one, bool):
-                report.add((*place, key), f"must be true or false, got {show(one)}")
+            if not isinstance(entry, bool):
+                report.add((*place, key), f"must be true or false, got {show(entry)}")
         elif isinstance(number, bool) or not isinstance(number, int | float) or number <= 0:
-            report.add((*place, key), f"must be a number > 0, got {show(one)}")
-    return {key: _number(one) for key, one in value.items()}
+            report.add((*place, key), f"must be a number > 0, got {show(entry)}")
+    return {key: _number(entry) for key, entry in value.items()}
 
 
 def _policy(value: object, algorithm: Algorithm, place: Place, report: Report) -> Any:
@@ -263,26 +263,26 @@ def _policy(value: object, algorithm: Algorithm, place: Place, report: Report) -
     if not isinstance(value, Mapping):
         report.add(place, f"must be a mapping of arguments of the policy, got {show(value)}")
         return {}
-    known, fields = _policy_arguments(algorithm), option_fields(declared.PolicyKeys)
+    names, fields = _policy_arguments(algorithm), option_fields(declared.PolicyKeys)
     values: dict[str, Any] = {}
-    for key, one in value.items():
+    for key, entry in value.items():
         where = (*place, key)
-        values[key] = one
+        values[key] = entry
         if key.endswith("_class"):
             report.add(where, declared.NOT_IN_FILES)
-        elif known and key not in known:
-            report.add(where, f"unknown argument of the policy{suggestion(key, known) or f'; known: {_few(known)}'}")
+        elif names and key not in names:
+            report.add(where, f"unknown argument of the policy{suggestion(key, names) or f'; known: {_few(names)}'}")
         elif key == "net_arch":
-            _check_layers(one, where, report)
+            _check_layers(entry, where, report)
         elif key == "activation_fn":
-            if one not in declared.ACTIVATIONS:
-                near = suggestion(one, declared.ACTIVATIONS) if isinstance(one, str) else ""
-                report.add(where, f"must be {choices(declared.ACTIVATIONS)}, got {show(one)}{near}")
+            if entry not in declared.ACTIVATIONS:
+                near = suggestion(entry, declared.ACTIVATIONS) if isinstance(entry, str) else ""
+                report.add(where, f"must be {choices(declared.ACTIVATIONS)}, got {show(entry)}{near}")
         elif key.endswith("_kwargs"):
-            values[key] = _numbers(one, where, report)
+            values[key] = _numbers(entry, where, report)
         elif key in fields:
             info = fields[key]
-            values[key] = read_field(info, _whole(one) if info.annotation is int else _number(one), where, report)
+            values[key] = read_field(info, _whole(entry) if info.annotation is int else _number(entry), where, report)
     return values
 
 
@@ -307,10 +307,10 @@ def _policy_arguments(algorithm: Algorithm) -> tuple[str, ...]:
 
 def _arguments_of(kind: type[Any]) -> Iterator[str]:
     """Yield the names of a class's arguments; with ``**kwargs``, also those of its base classes."""
-    for one in kind.__mro__:
-        found = inspect.signature(one).parameters.values()
-        yield from (each.name for each in found if each.kind is not inspect.Parameter.VAR_KEYWORD)
-        if all(each.kind is not inspect.Parameter.VAR_KEYWORD for each in found):
+    for cls in kind.__mro__:
+        parameters = inspect.signature(cls).parameters.values()
+        yield from (each.name for each in parameters if each.kind is not inspect.Parameter.VAR_KEYWORD)
+        if all(each.kind is not inspect.Parameter.VAR_KEYWORD for each in parameters):
             return
 
 
@@ -319,7 +319,7 @@ def _numbers(value: object, place: Place, report: Report) -> Any:
     if not isinstance(value, Mapping):
         report.add(place, f"must be a mapping, got {show(value)}")
         return {}
-    return {key: _number(one) for key, one in value.items()}
+    return {key: _number(entry) for key, entry in value.items()}
 
 
 def _check_layers(value: object, place: Place, report: Report) -> None:
@@ -329,7 +329,7 @@ def _check_layers(value: object, place: Place, report: Report) -> None:
         if key not in ("", "pi", "vf", "qf"):
             report.add(where, f"must be pi, vf or qf{suggestion(key, ('pi', 'vf', 'qf'))}")
         is_list = isinstance(layers, list) and all(
-            isinstance(one, int) and not isinstance(one, bool) and one >= 1 for one in layers
+            isinstance(size, int) and not isinstance(size, bool) and size >= 1 for size in layers
         )
         if not is_list:
             report.add(where, f"must be a list of widths of layers such as [64, 64], got {show(layers)}")

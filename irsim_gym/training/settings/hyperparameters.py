@@ -53,17 +53,17 @@ class Hyperparameters(RunKeys):
         Raises:
             IrsimGymError: If a required key is missing, or one of our own has an invalid value.
         """
-        own = option_fields(RunKeys)
-        values = {name: value for name, value in data.items() if name in own}
+        run_keys = option_fields(RunKeys)
+        values = {name: value for name, value in data.items() if name in run_keys}
         report = Report(Source("hyper-parameters", values))
-        wanted = build(cls, values, (), report, skip=("normalize", "arguments"))
-        if wanted is None:
+        read = build(cls, values, (), report, skip=("normalize", "arguments"))
+        if read is None:
             problems = "; ".join(f"{problem.path} {problem.message}" for problem in report.problems)
             raise IrsimGymError(f"hyper-parameters: {problems}")
         normalize = values.get("normalize")
         normalize = {} if normalize is True else normalize if isinstance(normalize, Mapping) else None
-        arguments = {name: value for name, value in data.items() if name not in own and name not in LEFT_OUT}
-        return dataclasses.replace(wanted, normalize=normalize, arguments=arguments)
+        arguments = {name: value for name, value in data.items() if name not in run_keys and name not in LEFT_OUT}
+        return dataclasses.replace(read, normalize=normalize, arguments=arguments)
 
     def to_plain(self) -> dict[str, Any]:
         """Return the hyper-parameters as the flat mapping that ``from_plain`` reads."""

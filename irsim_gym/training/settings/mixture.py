@@ -57,13 +57,13 @@ def read_part(text: str) -> MixturePart:
     scenario, *options = text.split(":")
     while options and "=" not in options[0]:  # a path with a colon
         scenario = f"{scenario}:{options.pop(0)}"
-    given: dict[str, str] = {}
-    for one in options:
-        name, equals, value = one.partition("=")
-        if not equals or not name or name in given:
-            raise IrsimGymError(f"'{text}': write SCENARIO:NAME=VALUE:..., each name once, got '{one}'")
-        given[name] = value
-    return MixturePart(scenario, given, _weight(text, given.pop(SHARE, "1")))
+    options_read: dict[str, str] = {}
+    for option_text in options:
+        name, equals, value = option_text.partition("=")
+        if not equals or not name or name in options_read:
+            raise IrsimGymError(f"'{text}': write SCENARIO:NAME=VALUE:..., each name once, got '{option_text}'")
+        options_read[name] = value
+    return MixturePart(scenario, options_read, _weight(text, options_read.pop(SHARE, "1")))
 
 
 def _weight(text: str, value: str) -> float:
@@ -88,12 +88,12 @@ def shared_worlds(shares: Sequence[float], n_worlds: int) -> list[int]:
     """
     if n_worlds < len(shares):
         raise IrsimGymError(f"a mixture of {len(shares)} scenarios needs at least as many worlds: n_envs is {n_worlds}")
-    wanted = [share / sum(shares) * n_worlds for share in shares]
-    counts = [max(1, int(one)) for one in wanted]
+    exact = [share / sum(shares) * n_worlds for share in shares]
+    counts = [max(1, int(number)) for number in exact]
     while sum(counts) != n_worlds:
         step = 1 if sum(counts) < n_worlds else -1
         open_ones = [k for k in range(len(counts)) if step > 0 or counts[k] > 1]
-        counts[max(open_ones, key=lambda k: step * (wanted[k] - counts[k]))] += step
+        counts[max(open_ones, key=lambda k: step * (exact[k] - counts[k]))] += step
     return counts
 
 
@@ -177,33 +177,33 @@ def read_mixture(file: Path) -> Mixture:
         ScenarioError: If the file is invalid. The message lists every problem with its line.
     """
     report = Report.of_file(file)
-    found, listed = build(_MixtureFile, report.mapping, (), report), report.mapping.get(MIXTURE)
+    file_part, listed = build(_MixtureFile, report.mapping, (), report), report.mapping.get(MIXTURE)
     parts = [
         _part(item, (MIXTURE, k), file, report) for k, item in enumerate(listed if isinstance(listed, list) else ())
     ]
     for key, check in (("task", partial(find, section="tasks")), ("algorithm", find_algorithm)):
         try:
-            check(getattr(found, key)) if getattr(found, key, None) is not None else None
+            check(getattr(file_part, key)) if getattr(file_part, key, None) is not None else None
         except UnknownNameError as error:
             report.add((key,), str(error))
     report.check()
-    assert found is not None
+    assert file_part is not None
     return Mixture(
         tuple(part for part in parts if part is not None),
         file.stem,
-        None if found.task is None else _beside(file, found.task),
-        found.algorithm,
-        None if found.hyperparameters is None else file.parent / found.hyperparameters,
+        None if file_part.task is None else _beside(file, file_part.task),
+        file_part.algorithm,
+        None if file_part.hyperparameters is None else file.parent / file_part.hyperparameters,
     )
 
 
 def _part(item: object, place: Place, file: Path, report: Report) -> MixturePart | None:
     """Return one scenario: a name, or a mapping with ``scenario``, ``share`` and ``parameters``."""
     is_name = isinstance(item, str)
-    found = build(_FilePart, {"scenario": item} if is_name else item, place, report)
-    if found is None:
+    item_part = build(_FilePart, {"scenario": item} if is_name else item, place, report)
+    if item_part is None:
         return None
-    part = MixturePart(_beside(file, found.scenario), found.parameters, found.share)
+    part = MixturePart(_beside(file, item_part.scenario), item_part.parameters, item_part.share)
     return _known(part, place, place if is_name else (*place, "scenario"), report)
 
 

@@ -59,16 +59,16 @@ class Settings:
     def parts(self) -> tuple[Self, ...]:
         """Return the settings for each scenario of a mixture; for a single scenario, these settings."""
         alone = replace(self, mixture=())
-        return tuple(replace(alone, scenario=one.scenario, parameters=one.parameters) for one in self.mixture) or (
+        return tuple(replace(alone, scenario=part.scenario, parameters=part.parameters) for part in self.mixture) or (
             self,
         )
 
     @property
     def names(self) -> tuple[str, ...]:
         """Unique names of the scenarios in tables. Repeated scenarios are named with the values of their parameters."""
-        stems = [Path(one.scenario).stem for one in self.parts()]
-        values = [_values(one.parameters) for one in self.parts()]
-        named = [f"{stem}{own}" if stems.count(stem) > 1 else stem for stem, own in zip(stems, values, strict=True)]
+        stems = [Path(part.scenario).stem for part in self.parts()]
+        values = [_values(part.parameters) for part in self.parts()]
+        named = [f"{stem}{text}" if stems.count(stem) > 1 else stem for stem, text in zip(stems, values, strict=True)]
         return tuple(f"{name}-{k}" if name in named[: k - 1] else name for k, name in enumerate(named, start=1))
 
     def snapshot(self) -> Snapshot:
@@ -113,17 +113,17 @@ class Settings:
             "hyperparameters": self.hyperparameters.to_plain(),
             **({} if self.strict else {"strict": False}),
             **({} if self.origin is None else {"from": dict(self.origin)}),
-            **({"mixture": [one.to_plain() for one in self.mixture]} if self.mixture else {}),
+            **({"mixture": [part.to_plain() for part in self.mixture]} if self.mixture else {}),
         }
 
     @classmethod
     def from_plain(cls, data: dict[str, Any]) -> Self:
         """Make settings from the data of ``to_plain``."""
         values = {name: data[name] for name in ("scenario", "algorithm", "seed", "task")}
-        wanted = Hyperparameters.from_plain(data["hyperparameters"])
+        hyper = Hyperparameters.from_plain(data["hyperparameters"])
         others = {"parameters": data.get("parameters", {}), "strict": data.get("strict", True)}
-        others["mixture"] = tuple(MixturePart(**one) for one in data.get("mixture", ()))
-        return cls(**values, hyperparameters=wanted, origin=data.get("from"), **others)
+        others["mixture"] = tuple(MixturePart(**part) for part in data.get("mixture", ()))
+        return cls(**values, hyperparameters=hyper, origin=data.get("from"), **others)
 
 
 @dataclass(frozen=True)
@@ -142,10 +142,10 @@ class Run(RunFolder):
             UnreadableFileError: If the folder holds no run, or its ``config.json`` is another file.
         """
         with reading(self.config, CONFIG_KIND):
-            made = Settings.from_plain(json_object(self.config)["settings"])
-            for part in made.mixture:
+            settings = Settings.from_plain(json_object(self.config)["settings"])
+            for part in settings.mixture:
                 checked(part)
-            return checked(made)
+            return checked(settings)
 
     def begin(self, settings: Settings, now: Snapshot | None = None) -> None:
         """Write the settings, and a copy of the scenario and its task.
@@ -175,31 +175,31 @@ class Run(RunFolder):
         settings, copied = self.settings(), self.snapshot()
         if copied is None:
             return settings
-        own: dict[str, Any] = {"task": None, "parameters": _beside(settings.parameters), "mixture": ()}
+        changes: dict[str, Any] = {"task": None, "parameters": _beside(settings.parameters), "mixture": ()}
         files = [self.copy / copied.file, *(folder / also.file for folder, also in self._also())]
         if settings.mixture:
             parts = zip(settings.mixture, files, strict=True)
-            own["mixture"] = tuple(
+            changes["mixture"] = tuple(
                 MixturePart(str(file.resolve()), _beside(part.parameters), part.share) for part, file in parts
             )
-        return replace(settings, scenario=str(files[0].resolve()), **own)
+        return replace(settings, scenario=str(files[0].resolve()), **changes)
 
     def changes_in_others(self, settings: Settings) -> list[str]:
         """Return the changes of a mixture's other scenarios since the start of the run."""
         pairs = zip(self._also(), settings.parts()[1:], settings.names[1:], strict=False)
-        found = [(name, differences(before, part.snapshot())) for (_, before), part, name in pairs]
-        return [f"{name}: {change}" for name, changes in found for change in changes]
+        differing = [(name, differences(before, part.snapshot())) for (_, before), part, name in pairs]
+        return [f"{name}: {change}" for name, changes in differing for change in changes]
 
     def _also(self) -> Iterator[tuple[Path, Snapshot]]:
         """Yield the folders with copies of a mixture's other scenarios, and their snapshots."""
         with reading(self.config, CONFIG_KIND):
             copies = json_object(self.config)["copy"].get("also", ())
-            places = [(self.copy / one["folder"], str(one["file"])) for one in copies]
+            places = [(self.copy / entry["folder"], str(entry["file"])) for entry in copies]
         for folder, file in places:
-            found = read_snapshot(folder, file)
-            if found is None:
+            snapshot = read_snapshot(folder, file)
+            if snapshot is None:
                 raise UnreadableFileError(str(folder / file), "copy of a scenario", "it cannot be read")
-            yield folder, found
+            yield folder, snapshot
 
     def clear(self) -> None:
         """Remove the files of the run. Other files in the folder are kept.

@@ -33,9 +33,9 @@ def motion_of(moving: Moving) -> follow.PoseMotion:
 
 
 @kernel
-def is_at_rest(moving: Moving, one: float, two: float) -> bool:
+def is_at_rest(moving: Moving, first: float, two: float) -> bool:
     """Return whether a body with these velocities stands still; the second number of a car turns none at rest."""
-    return bool(one == 0.0 and (two == 0.0 or moving.drive == ACKERMANN))
+    return bool(first == 0.0 and (two == 0.0 or moving.drive == ACKERMANN))
 
 
 @kernel
@@ -65,15 +65,15 @@ def stops_in_time(
     # The first step at the given share of the speed, all others braking.
     for _ in range(MOST_STEPS):
         first, second = follow.command_along(way, place, moving, now, part)
-        one, two = executed(moving, 0, first, now.one), executed(moving, 1, second, now.two)
-        x, y, heading, steering = roll(moving, now.pose[0], now.pose[1], now.pose[2], now.steering, one, two, 0.0)
-        now = follow.PoseMotion((x, y, heading), steering, one, two)
+        linear, two = executed(moving, 0, first, now.one), executed(moving, 1, second, now.two)
+        x, y, heading, steering = roll(moving, now.pose[0], now.pose[1], now.pose[2], now.steering, linear, two, 0.0)
+        now = follow.PoseMotion((x, y, heading), steering, linear, two)
         if room_at_pose(obstacles, shape, now.pose, KEPT) < room:
             return False
         place, part = follow.place_near(way, place, now.pose), 0.0
         if follow.offset_from(way, place, now.pose) > drift:
             return False
-        if is_at_rest(moving, one, two):
+        if is_at_rest(moving, linear, two):
             return True
     # Still braking after so many steps, and clear so far.
     return True
@@ -85,9 +85,9 @@ def is_new(state: State, tables: PoseTables, w: int, m: int, b: int) -> bool:
 
     Reads: state (goal), tables (goal).
     """
-    goal, known = state.goal[w, b], tables.goal[w, m]
-    same = goal[0] == known[0] and goal[1] == known[1]
-    return bool(not same or not (goal[2] == known[2] or (goal[2] != goal[2] and known[2] != known[2])))
+    goal, planned = state.goal[w, b], tables.goal[w, m]
+    same = goal[0] == planned[0] and goal[1] == planned[1]
+    return bool(not same or not (goal[2] == planned[2] or (goal[2] != goal[2] and planned[2] != planned[2])))
 
 
 @kernel

@@ -188,8 +188,8 @@ def search_poses(task: PoseTask, start: Pose, memory: queue.PoseMemory) -> int:
     while size > 0 and n_closed < queue.MOST_CLOSED and count + task.moves.shape[0] < nodes.shape[0]:
         k = queue.pop(memory, size)
         size -= 1
-        node, here = nodes[k], queue.pose_of(nodes[k])
-        cell = cell_of(task, here)
+        node, pose = nodes[k], queue.pose_of(nodes[k])
+        cell = cell_of(task, pose)
         if not node.ends and queue.is_closed(memory.closed, cell):
             continue
         # Only now is the move tested. If nearness to obstacles makes it cost more, it goes back into the queue.
@@ -198,9 +198,9 @@ def search_poses(task: PoseTask, start: Pose, memory: queue.PoseMemory) -> int:
             if not is_free(task, nodes, node):
                 continue
             if node.cost > cost:
-                size = queue.push(memory, size, node.cost + GREED * cost_to_go(task, here), k)
+                size = queue.push(memory, size, node.cost + GREED * cost_to_go(task, pose), k)
                 continue
-        if aim_gap(task.aim, here) < task.aim.radius:
+        if aim_gap(task.aim, pose) < task.aim.radius:
             return int(k)
         if not node.ends:
             queue.close_cell(memory.closed, cell)
@@ -208,6 +208,6 @@ def search_poses(task: PoseTask, start: Pose, memory: queue.PoseMemory) -> int:
             for m in range(task.moves.shape[0]):
                 count, size = add_pose(task, memory, k, task.moves[m], False, count, size)
         # Also after a last move: a body that has arrived at the position may still have to turn to the heading.
-        if lay_last(task.aim, task.moves, LAST_CELLS * task.cell, here, task.last):
+        if lay_last(task.aim, task.moves, LAST_CELLS * task.cell, pose, task.last):
             count, size = add_pose(task, memory, k, task.last, True, count, size)
     return queue.NOBODY if size == 0 else queue.GAVE_UP

@@ -146,9 +146,9 @@ def best_command(task: LocalTask, options: Any, turned: int, tables: LocalTables
         # Otherwise a body that avoids obstacles strongly turns to and fro before gaps for ever.
         if i == n_first and abs(turned) == BOTH and best < np.inf:
             break
-        one = rollouts.spread_over(low, high, i, n_first) if i < n_first else 0.0
+        linear = rollouts.spread_over(low, high, i, n_first) if i < n_first else 0.0
         # Standing turns are that last row for a differential drive, and impossible for a car.
-        if rolls and one == 0.0 and i < n_first:
+        if rolls and linear == 0.0 and i < n_first:
             continue
         for j in range(n_second):
             two = rollouts.spread_over(least, most, j, n_second)
@@ -159,10 +159,10 @@ def best_command(task: LocalTask, options: Any, turned: int, tables: LocalTables
                 # A steering angle need not be undone to stop.
                 turning = 0.0 if drive == ACKERMANN else stop_time(two, moving.change[1])
                 # The command is executed for a step before braking can begin.
-                needed = moving.step + max(stop_time(one, moving.change[0]), turning)
-            cost = way_cost(task, options, rollouts.twist_of(moving, task.facing, one, two), needed, tables)
+                needed = moving.step + max(stop_time(linear, moving.change[0]), turning)
+            cost = way_cost(task, options, rollouts.twist_of(moving, task.facing, linear, two), needed, tables)
             if cost < best:
-                best, first, second = cost, one, two
+                best, first, second = cost, linear, two
     return first, second
 
 

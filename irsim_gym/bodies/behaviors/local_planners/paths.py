@@ -82,15 +82,15 @@ def keep_way(ways: LocalWays, w: int, m: int, count: int, goal: Point) -> None:
     Reads: ways (path, points).
     Writes: ways (count, goal, points, side).
     """
-    points, kept, most = ways.points[w, m], 0, ways.points.shape[2]
+    points, n_points, most = ways.points[w, m], 0, ways.points.shape[2]
     for i in range(count):
         x, y = ways.path[i, 0], ways.path[i, 1]
         # The first and the last point are always kept.
-        if kept > 0 and i < count - 1:
-            dx, dy = x - points[kept - 1, 0], y - points[kept - 1, 1]
-            if kept == most or dx * dx + dy * dy < CELL * CELL:
+        if n_points > 0 and i < count - 1:
+            dx, dy = x - points[n_points - 1, 0], y - points[n_points - 1, 1]
+            if n_points == most or dx * dx + dy * dy < CELL * CELL:
                 continue
         # If the memory is full, the last point replaces the one before it.
-        kept = min(kept + 1, most)
-        points[kept - 1, 0], points[kept - 1, 1] = x, y
-    ways.goal[w, m, 0], ways.goal[w, m, 1], ways.side[w, m], ways.count[w, m] = goal[0], goal[1], 0, kept
+        n_points = min(n_points + 1, most)
+        points[n_points - 1, 0], points[n_points - 1, 1] = x, y
+    ways.goal[w, m, 0], ways.goal[w, m, 1], ways.side[w, m], ways.count[w, m] = goal[0], goal[1], 0, n_points

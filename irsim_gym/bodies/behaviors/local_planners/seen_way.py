@@ -82,20 +82,20 @@ def find_seen_way(
     for i in range(grid.rows):
         for j in range(grid.columns):
             blocked[i, j] = BLOCKED if seen[i, j] > oldest else FREE
-    here, there = free_cell(grid, blocked, start), free_cell(grid, blocked, goal)
-    if here < 0 or there < 0:
+    cell, there = free_cell(grid, blocked, start), free_cell(grid, blocked, goal)
+    if cell < 0 or there < 0:
         return 0
     clear_field(search)
     # The search begins at the goal: parents then lead from the body to the goal, in order.
     offer(search.field.reshape(-1), search.queue, there, 0.0, -1, grid.cell)
-    spread(grid.cell, here, np.inf, search)
-    if not search.field[here // grid.columns, here % grid.columns] < np.inf:
+    spread(grid.cell, cell, np.inf, search)
+    if not search.field[cell // grid.columns, cell % grid.columns] < np.inf:
         return 0
     path[0, 0], path[0, 1], count = start[0], start[1], 1
     # The goal's cell has the parent -1.
-    while here >= 0:
-        path[count, 0], path[count, 1] = centre(grid, here // grid.columns, here % grid.columns)
-        here, count = search.queue[PARENT, here], count + 1
+    while cell >= 0:
+        path[count, 0], path[count, 1] = centre(grid, cell // grid.columns, cell % grid.columns)
+        cell, count = search.queue[PARENT, cell], count + 1
     path[count, 0], path[count, 1] = goal[0], goal[1]
     return straighten(path, count + 1, grid, blocked)
 
@@ -106,17 +106,17 @@ def straighten(path: Floats, count: int, grid: Grid, blocked: Bytes) -> int:
 
     Writes: path.
     """
-    kept, i = 1, 0
+    length, i = 1, 0
     while i < count - 1:
         last = i + 1
         # The farthest point that can be seen from the last one kept; the next one always can.
         for j in range(count - 1, i + 1, -1):
-            if is_clear((path[kept - 1, 0], path[kept - 1, 1]), (path[j, 0], path[j, 1]), grid, blocked):
+            if is_clear((path[length - 1, 0], path[length - 1, 1]), (path[j, 0], path[j, 1]), grid, blocked):
                 last = j
                 break
-        path[kept, 0], path[kept, 1] = path[last, 0], path[last, 1]
-        kept, i = kept + 1, last
-    return kept
+        path[length, 0], path[length, 1] = path[last, 0], path[last, 1]
+        length, i = length + 1, last
+    return length
 
 
 @kernel

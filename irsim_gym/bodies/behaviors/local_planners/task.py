@@ -126,16 +126,16 @@ def see_hits(scan: OwnScan, w: int, k: int, options: Any, hits: Floats) -> int:
     Reads: scan (beams_x, beams_y, offset, range_max, range_min, ranges, sensors).
     Writes: hits.
     """
-    kept, spacing2 = 0, options.spacing * options.spacing
+    count, spacing2 = 0, options.spacing * options.spacing
     for j in range(find_hits(scan, w, k, options.obstacle_range, hits)):
         x, y = hits[0, j], hits[1, j]
-        if kept > 0:
-            dx, dy = x - hits[0, kept - 1], y - hits[1, kept - 1]
+        if count > 0:
+            dx, dy = x - hits[0, count - 1], y - hits[1, count - 1]
             if dx * dx + dy * dy < spacing2:
                 continue
-        hits[0, kept], hits[1, kept] = x, y
-        kept += 1
-    return kept
+        hits[0, count], hits[1, count] = x, y
+        count += 1
+    return count
 
 
 @kernel

@@ -97,17 +97,17 @@ def advance_on_way(ways: LocalWays, w: int, m: int, place: Point) -> float:
     Reads: ways (count, points, side).
     Writes: ways (side).
     """
-    best2, found, points, gone = np.inf, ways.side[w, m], ways.points[w, m], 0.0
+    best2, side, points, gone = np.inf, ways.side[w, m], ways.points[w, m], 0.0
     # From the known side onwards, a stretch of 2 ASTRAY: the path may come near again behind a wall.
     for i in range(ways.side[w, m], ways.count[w, m] - 1):
         ax, ay, bx, by = points[i, 0], points[i, 1], points[i + 1, 0], points[i + 1, 1]
         distance2 = point_segment_distance2(place[0], place[1], ax, ay, bx, by)
         if distance2 < best2:
-            best2, found = distance2, i
+            best2, side = distance2, i
         gone += np.sqrt((bx - ax) * (bx - ax) + (by - ay) * (by - ay))
         if gone > 2.0 * ASTRAY:
             break
-    ways.side[w, m] = found
+    ways.side[w, m] = side
     return float(np.sqrt(best2)) if ways.count[w, m] > 1 else 0.0
 
 

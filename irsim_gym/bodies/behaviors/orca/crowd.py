@@ -222,7 +222,7 @@ def gather(ego: Ego, m: int, place: int, within: float, ring: int, crowd: Crowd)
         crowd: ``found`` and ``gap2`` are written.
     """
     columns, rows, starts = crowd.squares.columns, crowd.squares.rows, crowd.starts
-    xs, ys, gap2, found = crowd.x, crowd.y, crowd.gap2, crowd.found
+    xs, ys, gap2, bodies = crowd.x, crowd.y, crowd.gap2, crowd.found
     row, limit2, count = place // columns, within * within, 0
     column = place - row * columns
     left, right = max(column - ring, 0), min(column + ring, columns - 1)
@@ -231,7 +231,7 @@ def gather(ego: Ego, m: int, place: int, within: float, ring: int, crowd: Crowd)
         for q in range(starts[other_row * columns + left], starts[other_row * columns + right + 1]):
             dx, dy = xs[q] - ego.x, ys[q] - ego.y
             distance2 = dx * dx + dy * dy
-            gap2[count], found[count] = distance2, q
+            gap2[count], bodies[count] = distance2, q
             # Always written, and kept only if it counts: a branch here would be mispredicted too often.
             count += int(distance2 < limit2) & int(q != m)
     return count
@@ -261,10 +261,10 @@ def keep_nearest(n_found: int, crowd: Crowd) -> int:
     Reads: crowd (body, found, gap2, nearest, nearest_gap).
     Writes: crowd (nearest, nearest_gap).
     """
-    body, nearest, nearest_gap, found, gap2 = crowd.body, crowd.nearest, crowd.nearest_gap, crowd.found, crowd.gap2
+    body, nearest, nearest_gap, bodies, gap2 = crowd.body, crowd.nearest, crowd.nearest_gap, crowd.found, crowd.gap2
     count, most = 0, nearest.shape[0]
     for i in range(n_found):
-        m, key, k = found[i], gap2[i], count - 1
+        m, key, k = bodies[i], gap2[i], count - 1
         # Insertion sort: a free row at the end, or that of the last one if the new one comes before it.
         if count < most:
             count, k = count + 1, count

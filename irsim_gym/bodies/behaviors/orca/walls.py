@@ -137,9 +137,9 @@ def neighbour(segments: Floats, start: int, count: int, s: int, step: int) -> in
 
 
 @kernel
-def is_joined(segments: Floats, one: int, other: int) -> bool:
+def is_joined(segments: Floats, first: int, other: int) -> bool:
     """Return whether a segment ends where another begins."""
-    return bool(segments[one, 2] == segments[other, 0] and segments[one, 3] == segments[other, 1])
+    return bool(segments[first, 2] == segments[other, 0] and segments[first, 3] == segments[other, 1])
 
 
 @kernel

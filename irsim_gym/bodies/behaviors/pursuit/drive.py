@@ -39,14 +39,14 @@ def turns_at_goal(model: Model, state: State, w: int, b: int) -> bool:
 
 
 @kernel
-def mark_moving(model: Model, w: int, own: int, target_roles: int, standing: Flags, everything: Flags) -> None:
+def mark_moving(model: Model, w: int, body: int, target_roles: int, standing: Flags, everything: Flags) -> None:
     """Write what stands in the way of a body, and what moves.
 
     Reads: model (heedless, movable, present, role, seen_row, stands, unobstructed, watchers).
     Writes: everything.
     """
     for b in range(standing.shape[0]):
-        moves = not model.stands[b] and not model.unobstructed[b] and is_seen(model, w, own, b, target_roles)
+        moves = not model.stands[b] and not model.unobstructed[b] and is_seen(model, w, body, b, target_roles)
         everything[b] = standing[b] or moves
 
 
@@ -60,7 +60,7 @@ def pursue(
     Writes: standing, tables (back, coarse, count, fine, goal, margin, points, retry, side, whole).
     """
     model, state, w, m = standing.model, standing.state, standing.w, options.index
-    goal, here = (state.goal[w, b, 0], state.goal[w, b, 1]), (state.pose[w, b, 0], state.pose[w, b, 1])
+    goal, position = (state.goal[w, b, 0], state.goal[w, b, 1]), (state.pose[w, b, 0], state.pose[w, b, 1])
     reach, moving = model.reach[row_of(model.reach, w), b], moving_of(model, state, w, b, tables.by_rate[m])
     # The goal NaN, without a way, equals none.
     is_new = not (tables.goal[w, m, 0] == goal[0] and tables.goal[w, m, 1] == goal[1])
@@ -73,7 +73,7 @@ def pursue(
     # First by the known way; if that is no good and it is time, once more by a new one.
     for _ in range(2):
         if is_new:
-            find_way(standing, reach, options.clearance, (here, goal), tables, slot, m)
+            find_way(standing, reach, options.clearance, (position, goal), tables, slot, m)
             tables.retry[w, m] = state.step[w] + PATIENCE
         if tables.count[w, m] > 0:
             # No slowing down at the end of a part of a way, or at a waypoint before the last.

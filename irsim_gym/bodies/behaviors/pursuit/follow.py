@@ -67,13 +67,13 @@ def follow(
         course: The way.
         back: Steps for which it drives back.
     """
-    here, way, count = (moving.pose[0], moving.pose[1]), course.points, course.n_points
-    side, near = place_on_way(way, count, course.side, here)
+    position, way, count = (moving.pose[0], moving.pose[1]), course.points, course.n_points
+    side, near = place_on_way(way, count, course.side, position)
     # Only a body that was put elsewhere can be so far from its way.
-    if abs(near[0] - here[0]) > WINDOW or abs(near[1] - here[1]) > WINDOW:
+    if abs(near[0] - position[0]) > WINDOW or abs(near[1] - position[1]) > WINDOW:
         return False, side, 0, braking_command(moving)
     remaining = np.inf if course.goes_on else remaining_length(way, count, side, near)
-    room = room_at(everything, here, reach + max(options.proximity, SIGHT)) - reach
+    room = room_at(everything, position, reach + max(options.proximity, SIGHT)) - reach
     # The body grown by half of the room that the way keeps, or that there is now. One that touches something already
     # must not get nearer.
     radius = reach + 0.5 * min(course.margin, room) if room > 0.0 else TIGHT * (reach + room)
@@ -82,19 +82,19 @@ def follow(
     speed = np.abs(moving.velocity[0])
     if moving.drive not in (DIFFERENTIAL, ACKERMANN):
         speed = np.sqrt(speed * speed + moving.velocity[1] * moving.velocity[1])
-    distance, found, target = lookahead_distance(options, speed), False, here
+    distance, is_reached, target = lookahead_distance(options, speed), False, position
     for _ in range(TRIES):
-        point = point_at_distance(way, count, side, here, distance)
+        point = point_at_distance(way, count, side, position, distance)
         distance *= 0.5
-        if not way_is_free(standing, radius, here, point):
+        if not way_is_free(standing, radius, position, point):
             continue
-        found, target = True, point
+        is_reached, target = True, point
         if wants_back(moving, point, back):
             break
         command = command_to(options, moving, point, room, remaining, 1.0)
         if can_stop(everything, radius, slack, moving, command):
             return True, side, 0, command
-    if not found:
+    if not is_reached:
         return False, side, 0, braking_command(moving)
     backs, command = careful_command(everything, options, radius, slack, moving, target, room, remaining)
     # A count of steps: it goes on driving back while it counts, see wants_back.

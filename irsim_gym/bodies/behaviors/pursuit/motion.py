@@ -78,12 +78,12 @@ def window_of(moving: Moving, axis: int, now: float) -> tuple[float, float]:
 
 
 @kernel
-def executed(moving: Moving, axis: int, asked: float, now: float) -> float:
+def executed(moving: Moving, axis: int, command: float, now: float) -> float:
     """Return what becomes of one number of a command, from what is executed now, as ``simulator.step.command_limits``
     does.
     """
     least, most = window_of(moving, axis, now)
-    return float(min(max(asked, least), most))
+    return float(min(max(command, least), most))
 
 
 @kernel
@@ -102,13 +102,13 @@ def can_stop(obstacles: Obstacles, radius: float, room: float, moving: Moving, c
         command: What it is asked to do.
     """
     x, y, heading, steering = moving.pose[0], moving.pose[1], moving.pose[2], moving.steering
-    one, two, three = moving.velocity[0], moving.velocity[1], moving.velocity[2]
+    linear, two, three = moving.velocity[0], moving.velocity[1], moving.velocity[2]
     first, second, third = command
     turns, from_x, from_y = moving.drive == DIFFERENTIAL or moving.by_rate, x, y
     for _ in range(MOST_STEPS):
-        one, two = executed(moving, 0, first, one), executed(moving, 1, second, two)
+        linear, two = executed(moving, 0, first, linear), executed(moving, 1, second, two)
         three = executed(moving, 2, third, three)
-        next_x, next_y, heading, steering = roll(moving, x, y, heading, steering, one, two, three)
+        next_x, next_y, heading, steering = roll(moving, x, y, heading, steering, linear, two, three)
         away_x, away_y = next_x - from_x, next_y - from_y
         # Within `room` of the start nothing can be touched, so only what goes farther is tested.
         if away_x * away_x + away_y * away_y >= room * room and not way_is_free(
@@ -117,12 +117,12 @@ def can_stop(obstacles: Obstacles, radius: float, room: float, moving: Moving, c
             return False
         x, y = next_x, next_y
         # The second number of those that roll is a turn rate or a steering angle, which moves no body at rest.
-        if one == 0.0 and (two == 0.0 or moving.drive in (DIFFERENTIAL, ACKERMANN)):
+        if linear == 0.0 and (two == 0.0 or moving.drive in (DIFFERENTIAL, ACKERMANN)):
             return True
         # From the second step on it brakes. A commanded turn rate falls in proportion to the speed.
         first, third = 0.0, 0.0
         if turns:
-            second = two / one * executed(moving, 0, 0.0, one) if one != 0.0 else two
+            second = two / linear * executed(moving, 0, 0.0, linear) if linear != 0.0 else two
         elif moving.drive != ACKERMANN:
             second = 0.0
     return True
@@ -130,7 +130,7 @@ def can_stop(obstacles: Obstacles, radius: float, room: float, moving: Moving, c
 
 @kernel
 def roll(
-    moving: Moving, x: float, y: float, heading: float, steering: float, one: float, two: float, three: float
+    moving: Moving, x: float, y: float, heading: float, steering: float, first: float, two: float, three: float
 ) -> tuple[float, float, float, float]:
     """Return x, y, heading and steering angle [m, m, rad, rad] after a step with executed velocities, without noise.
 
@@ -138,13 +138,13 @@ def roll(
     """
     step, cosine, sine = moving.step, np.cos(heading), np.sin(heading)
     if moving.drive == DIFFERENTIAL:
-        return x + one * cosine * step, y + one * sine * step, heading + two * step, steering
+        return x + first * cosine * step, y + first * sine * step, heading + two * step, steering
     if moving.drive == ACKERMANN:
         # This step rolls at the angle of the previous one; after it, the wheels stand at `two`.
-        rate = two if moving.by_rate else one * np.tan(steering) / moving.wheelbase
-        turn = rate * step if one != 0.0 or not moving.by_rate else 0.0
-        return x + one * cosine * step, y + one * sine * step, heading + turn, steering if moving.by_rate else two
+        rate = two if moving.by_rate else first * np.tan(steering) / moving.wheelbase
+        turn = rate * step if first != 0.0 or not moving.by_rate else 0.0
+        return x + first * cosine * step, y + first * sine * step, heading + turn, steering if moving.by_rate else two
     if moving.drive == OMNI_WORLD:
-        return x + one * step, y + two * step, heading, steering
-    along, across = cosine * one - sine * two, sine * one + cosine * two
+        return x + first * step, y + two * step, heading, steering
+    along, across = cosine * first - sine * two, sine * first + cosine * two
     return x + along * step, y + across * step, heading + three * step, steering

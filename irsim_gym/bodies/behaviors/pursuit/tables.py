@@ -179,12 +179,12 @@ def find_way(
         margin = margin * 0.5 if 0 < attempt < HALVINGS - 1 else margin
         margin = 0.0 if attempt == HALVINGS - 1 else margin
         count = way_between(obstacles, reach + margin, ends, fine.grid, search, path)
-    kept = min(count, MOST_POINTS)
-    for i in range(kept):
+    length = min(count, MOST_POINTS)
+    for i in range(length):
         tables.points[w, m, i, 0], tables.points[w, m, i, 1] = path[i, 0], path[i, 1]
     # The way may end beside the goal, see way_between; it still leads to this goal.
     tables.goal[w, m, 0], tables.goal[w, m, 1] = ends[1][0], ends[1][1]
-    tables.count[w, m], tables.whole[w, m], tables.margin[w, m] = kept, kept == count, margin
+    tables.count[w, m], tables.whole[w, m], tables.margin[w, m] = length, length == count, margin
     tables.side[w, m] = 0
 
 

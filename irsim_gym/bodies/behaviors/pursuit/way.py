@@ -20,7 +20,7 @@ def place_on_way(way: Floats, count: int, begin: int, body: Point) -> tuple[int,
         body: Where the body is [m].
     """
     x, y = body
-    best, found, best_x, best_y, gone, i = np.inf, begin, way[begin, 0], way[begin, 1], 0.0, begin
+    best, side, best_x, best_y, gone, i = np.inf, begin, way[begin, 0], way[begin, 1], 0.0, begin
     while i < count - 1 and gone <= WINDOW:
         ax, ay, dx, dy = way[i, 0], way[i, 1], way[i + 1, 0] - way[i, 0], way[i + 1, 1] - way[i, 1]
         length2 = dx * dx + dy * dy
@@ -29,11 +29,11 @@ def place_on_way(way: Floats, count: int, begin: int, body: Point) -> tuple[int,
         px, py = ax + share * dx, ay + share * dy
         distance2 = (px - x) * (px - x) + (py - y) * (py - y)
         if distance2 < best:
-            best, found, best_x, best_y = distance2, i, px, py
+            best, side, best_x, best_y = distance2, i, px, py
         # Of the first side, only what lies ahead of the body's foot counts.
         gone += np.sqrt(length2) * (1.0 - share if i == begin else 1.0)
         i += 1
-    return found, (best_x, best_y)
+    return side, (best_x, best_y)
 
 
 @kernel

@@ -105,15 +105,15 @@ def _decorator(registry: Registry, drive: str, name: str, *, makes: bool) -> Cal
     families.KINEMATICS.entry(drive)
 
     def register(function: F) -> F:
-        made = registry.entry(name).kind if name in registry else None
+        kind = registry.entry(name).kind if name in registry else None
         # The first drive of this name makes the kind; a built-in kind of the name makes `register` raise.
-        if made is None or not hasattr(made, "by_drive"):
-            made = _make_kind(registry, name, function)
-            registry.register(name, made)
-        if drive in made.by_drive:
+        if kind is None or not hasattr(kind, "by_drive"):
+            kind = _make_kind(registry, name, function)
+            registry.register(name, kind)
+        if drive in kind.by_drive:
             raise IrsimGymError(f"{registry.family} '{name}' is registered twice for kinematics '{drive}'")
-        made.by_drive[drive] = _Written(function, makes)
-        made.kinematics = tuple(made.by_drive)
+        kind.by_drive[drive] = _Written(function, makes)
+        kind.kinematics = tuple(kind.by_drive)
         return function
 
     return register
@@ -126,10 +126,10 @@ def _make_kind(registry: Registry, name: str, function: Callable[..., object]) -
     by_drive: dict[str, _Written] = {}
 
     def own_options(chosen: object) -> dict[str, Any]:
-        given = {key: getattr(chosen, key) for key, field in option_fields(base).items()}
+        values = {key: getattr(chosen, key) for key, field in option_fields(base).items()}
         # IR-SIM passes only the options that the file has, so common options at their defaults are left out.
-        given = {key: value for key, value in given.items() if value != option_fields(base)[key].default}
-        return {"name": name, **given, **more_options(chosen)}
+        values = {key: value for key, value in values.items() if value != option_fields(base)[key].default}
+        return {"name": name, **values, **more_options(chosen)}
 
     def decide(ego: EgoView, seen: list[BodyView], **options: object) -> Any:
         decider = _decider(by_drive[str(ego.kinematics)], ego, ego.memory, options)

@@ -69,14 +69,14 @@ class PythonGroupBehavior(RenewsGoals):
     def decide(group: Group, model: Model, state: State, shard: Shard) -> None:
         """Call the function for the commands of all members, world by world."""
         for w in shard.worlds:
-            here = model.present[w, group.members]
-            members = [ego_view(group, model, state, int(w), int(b)) for b in group.members[here]]
+            is_here = model.present[w, group.members]
+            members = [ego_view(group, model, state, int(w), int(b)) for b in group.members[is_here]]
             # Group behaviours have no option `target_roles`: they see every role.
             seen = others(group, model, state, int(w), group.members, -1)
             with noting(group.kind, f"the group of '{name_of(group, int(group.members[0]))}'", state, int(w)):
                 answers = group.kind.function(members, seen, **group.kind.own_options(group.options[0]))
                 commands = _one_each(group, members, answers)
-                for ego, answer, decides in zip(members, commands, group.arrays["decides"][here], strict=True):
+                for ego, answer, decides in zip(members, commands, group.arrays["decides"][is_here], strict=True):
                     if decides:
                         state.command[w, ego.id] = 0.0
                         write_command(group, model, ego.id, answer, state.command[w, ego.id])

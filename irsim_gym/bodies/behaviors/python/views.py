@@ -133,10 +133,10 @@ class EgoView(BodyView):
         Raises:
             UnknownNameError: If the body has no such sensor.
         """
-        found = find_sensor(self._context.bodies, self._context.sensors, self._b, name, index)
-        if found is None:
+        sensor = find_sensor(self._context.bodies, self._context.sensors, self._b, name, index)
+        if sensor is None:
             raise UnknownNameError(f"'{self.name}' has no sensor number {index} that reads '{name}'")
-        group, member = found
+        group, member = sensor
         return group.arrays[name][self._w, member].copy()
 
     def uniform(self, low: float, high: float) -> float:

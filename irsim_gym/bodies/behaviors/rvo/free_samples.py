@@ -197,12 +197,12 @@ def gap_of(place: int, along_x: Axis, along_y: Axis) -> float:
 
 
 @kernel
-def is_nearer(one: int, other: int, along_x: Axis, along_y: Axis) -> bool:
+def is_nearer(first: int, other: int, along_x: Axis, along_y: Axis) -> bool:
     """Return whether a sample is nearer to the wanted velocity than another one, if there is one; ties go by number."""
     if other < 0:
         return True
-    gap, best = gap_of(one, along_x, along_y), gap_of(other, along_x, along_y)
-    return bool(gap < best or (gap == best and one < other))
+    gap, best = gap_of(first, along_x, along_y), gap_of(other, along_x, along_y)
+    return bool(gap < best or (gap == best and first < other))
 
 
 @kernel

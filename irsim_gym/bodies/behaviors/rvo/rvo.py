@@ -69,20 +69,20 @@ def _most_samples(params: Any) -> int:
     return int(2.0 * widest / velocity_obstacles.PITCH) + 3
 
 
-def free_velocity(options: Rvo, ego: Ego, wanted: Vector, rounds: Records, sides: Floats) -> Vector:
+def free_velocity(options: Rvo, ego: Ego, preferred: Vector, rounds: Records, sides: Floats) -> Vector:
     """Return the velocity that a single body chooses [m/s], outside of any world.
 
     Args:
         options: Options of the behaviour.
         ego: The body.
-        wanted: Velocity towards its goal [m/s].
+        preferred: Velocity towards its goal [m/s].
         rounds: Discs that it sees, records of type ``surroundings.DISC``.
         sides: Walls that it sees: x0, y0, x1, y1 [m], shape ``(n, 4)``.
     """
     none, params = np.zeros(0, np.int64), records([options])
     n_cones, n_samples = len(rounds) + len(sides), _most_samples(params)
     tables = reserve_tables(Surroundings(none, none, rounds, sides, np.zeros((0, 3))), n_cones, n_samples)
-    return choose_velocity(ego, wanted, np.inf, params[0], rounds, sides, tables)
+    return choose_velocity(ego, preferred, np.inf, params[0], rounds, sides, tables)
 
 
 def reserve_tables(seen: Surroundings, n_cones: int, n_samples: int) -> RvoTables:
@@ -117,22 +117,22 @@ def decide_rvo(worlds: Ints, members: Ints, params: Any, model: Model, state: St
             n_rounds, n_sides = look_around(model, state, w, b, roles, sight, tables.seen)
             pose, twist, radius = state.pose[w, b], state.twist[w, b], model.radius[row_of(model.radius, w), b]
             ego = Ego(pose[0], pose[1], twist[0], twist[1], radius + MARGIN)
-            wanted = wanted_velocity(model, state, w, b)
+            preferred = wanted_velocity(model, state, w, b)
             rounds, sides = tables.seen.rounds[:n_rounds], tables.seen.sides[:n_sides]
             most = model.drawn_speed[row_of(model.drawn_speed, w), b]
-            vx, vy = choose_velocity(ego, wanted, most, options, rounds, sides, tables)
+            vx, vy = choose_velocity(ego, preferred, most, options, rounds, sides, tables)
             command = state.command[w, b]
             to_command(model.drive[b], pose[2], vx, vy, TURNING, command)
             alone, stands = n_rounds == 0 and n_sides == 0, command[0] == 0.0 and command[1] == 0.0
             if model.drive[b] == DIFFERENTIAL and alone and stands:
                 # Its goal is behind it, where no sampled velocity leads: it turns on the spot.
-                to_command(model.drive[b], pose[2], wanted[0], wanted[1], TURNING, command)
+                to_command(model.drive[b], pose[2], preferred[0], preferred[1], TURNING, command)
                 command[0] = 0.0
 
 
 @kernel
 def choose_velocity(
-    ego: Ego, wanted: Vector, most: float, options: Any, rounds: Records, sides: Floats, tables: RvoTables
+    ego: Ego, preferred: Vector, most: float, options: Any, rounds: Records, sides: Floats, tables: RvoTables
 ) -> Vector:
     """Return the best of the sampled velocities [m/s]: outside of all cones, or with the least penalty.
 
@@ -142,8 +142,8 @@ def choose_velocity(
     Writes: tables (cones, order, rows, samples, seen, spans).
     """
     mode, cones = options.mode, tables.cones
-    along_x = velocity_obstacles.lay_samples(ego.vx, options["acce"], min(options.vxmax, most), wanted[0])
-    along_y = velocity_obstacles.lay_samples(ego.vy, options["acce"], min(options.vymax, most), wanted[1])
+    along_x = velocity_obstacles.lay_samples(ego.vx, options["acce"], min(options.vxmax, most), preferred[0])
+    along_y = velocity_obstacles.lay_samples(ego.vy, options["acce"], min(options.vymax, most), preferred[1])
     # Cones of discs come first, with the numbers of their discs; those of walls are appended and always exact.
     n_cones = velocity_obstacles.side_cones(ego, sides, cones, rounds.shape[0])
     rough_cones(mode, ego, rounds, cones)

@@ -144,7 +144,7 @@ def set_cone(
 
 
 @kernel
-def lay_samples(current: float, change: float, limit: float, wanted: float) -> Axis:
+def lay_samples(current: float, change: float, limit: float, preferred: float) -> Axis:
     """Return the velocities to sample along one axis.
 
     They range from the lower end of the interval within ``change`` of ``current`` and within ``limit``, inclusive, to
@@ -154,14 +154,14 @@ def lay_samples(current: float, change: float, limit: float, wanted: float) -> A
         current: Velocity now [m/s].
         change: Greatest change [m/s].
         limit: Greatest speed along the axis [m/s].
-        wanted: The velocity that is wanted [m/s].
+        preferred: The velocity that is wanted [m/s].
     """
     low, high = max(current - change, -limit), min(current + change, limit)
     # np.arange, with which IR-SIM samples, repeats the rounded difference of its first two values.
     step = (low + PITCH) - low
     if high <= low:
-        return Axis(min(max(current, -limit), limit), step, 1, wanted)
-    return Axis(low, step, int(np.ceil((high - low) / PITCH)), wanted)
+        return Axis(min(max(current, -limit), limit), step, 1, preferred)
+    return Axis(low, step, int(np.ceil((high - low) / PITCH)), preferred)
 
 
 @kernel
@@ -173,15 +173,15 @@ def write_samples(axis: Axis, samples: Floats, order: Ints) -> None:
 
 
 @kernel
-def order_samples(samples: Floats, count: int, wanted: float, order: Ints) -> None:
+def order_samples(samples: Floats, count: int, preferred: float, order: Ints) -> None:
     """Write the indices of ascending samples, ordered by their distance from the wanted velocity [m/s]."""
     above = 0
-    while above < count and samples[above] < wanted:
+    while above < count and samples[above] < preferred:
         above += 1
     # Two runs, downwards from `below` and upwards from `above`, are merged by distance; ties go to the lower index.
     below = above - 1
     for k in range(count):
-        if above >= count or (below >= 0 and wanted - samples[below] <= samples[above] - wanted):
+        if above >= count or (below >= 0 and preferred - samples[below] <= samples[above] - preferred):
             order[k] = below
             below -= 1
         else:

@@ -25,7 +25,7 @@ TURN_TOLERANCE, SLOW = 0.02, 0.02
 
 @kernel
 def planned_velocity(
-    model: Model, state: State, w: int, b: int, options: Any, wanted: Vector, extra: Vector, tables: walls.SocialTables
+    model: Model, state: State, w: int, b: int, options: Any, pref: Vector, extra: Vector, tables: walls.SocialTables
 ) -> Vector:
     """Return the velocity after one step under all forces [m/s], no faster than ``vmax`` or a drawn speed.
 
@@ -41,13 +41,13 @@ def planned_velocity(
         w: World.
         b: Body that is pushed.
         options: Parameters of the body.
-        wanted: Velocity towards the goal; only its direction counts.
+        pref: Velocity towards the goal; only its direction counts.
         extra: Another force [m/s2].
         tables: Tables for the forces.
     """
     vx, vy = state.twist[w, b, 0], state.twist[w, b, 1]
     fastest = min(options.vmax, model.drawn_speed[row_of(model.drawn_speed, w), b])
-    wanted_x, wanted_y = wanted
+    wanted_x, wanted_y = pref
     size = length_of(wanted_x, wanted_y, tables.by_hypot)
     if size > 1e-9:
         wanted_x, wanted_y = fastest * wanted_x / size, fastest * wanted_y / size

@@ -78,5 +78,5 @@ def decide_social_force(
             b = members[k]
             clear_command(state, w, b)
             if model.has_goal[b] and model.present[w, b]:
-                wanted = wanted_velocity(model, state, w, b)
-                follow(model, state, w, b, planned_velocity(model, state, w, b, params[k], wanted, NO_FORCE, tables))
+                pref = wanted_velocity(model, state, w, b)
+                follow(model, state, w, b, planned_velocity(model, state, w, b, params[k], pref, NO_FORCE, tables))

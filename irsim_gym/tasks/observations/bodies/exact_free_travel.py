@@ -93,13 +93,13 @@ def write_ways(
     code = range_code(options, far)
     for w in worlds:
         for a in range(term.agents.shape[0]):
-            own, radius = term.agents[a], ways.radius[a]
+            body, radius = term.agents[a], ways.radius[a]
             row = episode.observation[w, a, column : column + ways.ahead_x.shape[0]]
             row[:] = np.float32(far)
-            x, y, heading = state.pose[w, own, 0], state.pose[w, own, 1], state.pose[w, own, 2]
+            x, y, heading = state.pose[w, body, 0], state.pose[w, body, 1], state.pose[w, body, 2]
             place = Place(x, y, np.cos(heading), np.sin(heading), radius)
             for b in range(model.present.shape[1]):
-                if b == own or model.unobstructed[b] or not model.present[w, b]:
+                if b == body or model.unobstructed[b] or not model.present[w, b]:
                     continue
                 dx, dy = state.pose[w, b, 0] - x, state.pose[w, b, 1] - y
                 seen = far + radius + model.reach[row_of(model.reach, w), b]
@@ -135,13 +135,13 @@ def stop_at_segment(segment: Floats, place: Place, far: float, ways: Directions,
     Reads: ways (ahead_x, ahead_y).
     Writes: row.
     """
-    cosine, sine, own, ahead_x, ahead_y = place.cosine, place.sine, place.radius, ways.ahead_x, ways.ahead_y
+    cosine, sine, radius, ahead_x, ahead_y = place.cosine, place.sine, place.radius, ways.ahead_x, ways.ahead_y
     ax, ay = segment[0] - place.x, segment[1] - place.y
     ux, uy = segment[2] - segment[0], segment[3] - segment[1]
     length = np.sqrt(ux * ux + uy * uy)
     px, py = ax * cosine + ay * sine, ay * cosine - ax * sine
     qx, qy = px + ux * cosine + uy * sine, py + uy * cosine - ux * sine
-    own_2, far_32 = np.float32(own * own), np.float32(far)
+    own_2, far_32 = np.float32(radius * radius), np.float32(far)
     shorten(np.float32(px), np.float32(py), own_2, far_32, ahead_x, ahead_y, row)
     shorten(np.float32(qx), np.float32(qy), own_2, far_32, ahead_x, ahead_y, row)
     if length == 0.0:
@@ -150,7 +150,7 @@ def stop_at_segment(segment: Floats, place: Place, far: float, ways: Directions,
     # The normal points from the disc to the segment's line, which the disc touches when it has closed ``gap``.
     side = 1.0 if px * along_y - py * along_x >= 0.0 else -1.0
     normal_x, normal_y = side * along_y, -side * along_x
-    gap = px * normal_x + py * normal_y - own
+    gap = px * normal_x + py * normal_y - radius
     start = px * along_x + py * along_y
     for j in range(row.shape[0]):
         towards = ahead_x[j] * normal_x + ahead_y[j] * normal_y
@@ -172,8 +172,8 @@ def stop_at_cells(cells: CellMaps | None, w: int, place: Place, ways: Directions
     """
     if cells is None:
         return
-    here = map_of(cells, w)
-    cosine, sine, own, ahead_x, ahead_y = place.cosine, place.sine, place.radius, ways.ahead_x, ways.ahead_y
+    world_map = map_of(cells, w)
+    cosine, sine, radius, ahead_x, ahead_y = place.cosine, place.sine, place.radius, ways.ahead_x, ways.ahead_y
     for j in range(row.shape[0]):
         dx, dy = ahead_x[j] * cosine - ahead_y[j] * sine, ahead_x[j] * sine + ahead_y[j] * cosine
         way, before = 0.0, -np.inf
@@ -181,7 +181,7 @@ def stop_at_cells(cells: CellMaps | None, w: int, place: Place, ways: Directions
             x, y = place.x + way * dx, place.y + way * dy
             # No cell is nearer than ``room``, so the disc may move that far in any direction (sphere tracing, Hart
             # 1996). In contact it goes on in small steps while the room grows: a disc at a wall may move away from it.
-            room = segment_cells_distance(here, x, y, x, y, own + row[j]) - own
+            room = segment_cells_distance(world_map, x, y, x, y, radius + row[j]) - radius
             if room < NEAR_ENOUGH and room <= before:
                 row[j] = np.float32(max(way, 0.0))
                 break

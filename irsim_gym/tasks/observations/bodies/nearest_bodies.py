@@ -104,8 +104,8 @@ class NearestBodies(EncodesDepths):
         ways = (is_there & (away > 0.0)).spread(2).where(rows.columns(0, 2, 2) * scale.spread(2), 0.0)
         depth = is_there.where(gap - extent_graph(model, body, ways.part(0), ways.part(1)), far).between(0.0, far)
         n_axes = 2 if model.drive[body] in (OMNI_WORLD, OMNI_BODY, OMNI_ANGULAR) else 1
-        own = robot.velocity.columns(0, n_axes).times(np.eye(n_axes, 2)).spread(1)
-        motion = is_there.spread(2).where((rows.columns(2, 4, 2) - own) / self.speed, 0.0)
+        velocity = robot.velocity.columns(0, n_axes).times(np.eye(n_axes, 2)).spread(1)
+        motion = is_there.spread(2).where((rows.columns(2, 4, 2) - velocity) / self.speed, 0.0)
         ways, motion = (values.between(-1.0, 1.0).cast(np.float32) for values in (ways, motion))
         numbers = [ways, self.coded_graph(far, depth.cast(np.float32)).spread(2), motion]
         return robot.graph.join(numbers, axis=2).op("Flatten")
@@ -116,9 +116,9 @@ class NearestBodies(EncodesDepths):
         write_nearest(shard.worlds, shard.slot, term.bound, term.arrays, model, model.cells, state, episode)
 
 
-def _sight(given: float | None, model: Model) -> float:
+def _sight(far: float | None, model: Model) -> float:
     """Return the range of view [m], by default the world's diagonal."""
-    return float(np.hypot(*(model.bounds[2:] - model.bounds[:2]))) if given is None else given
+    return float(np.hypot(*(model.bounds[2:] - model.bounds[:2]))) if far is None else far
 
 
 @kernel
@@ -143,12 +143,12 @@ def write_nearest(
     n_found, moving_only = distance.shape[0], term.options[0].moving != 0
     for w in worlds:
         for a in range(term.agents.shape[0]):
-            own = term.agents[a]
-            x, y = state.pose[w, own, 0], state.pose[w, own, 1]
+            body = term.agents[a]
+            x, y = state.pose[w, body, 0], state.pose[w, body, 1]
             distance[:], nearest.way_x[slot, :], nearest.way_y[slot, :] = nearest.sight, 0.0, 0.0
             nearest.body[slot, :] = -1
             for b in range(model.present.shape[1]):
-                if b == own or model.unobstructed[b] or not model.present[w, b] or (moving_only and model.stands[b]):
+                if b == body or model.unobstructed[b] or not model.present[w, b] or (moving_only and model.stands[b]):
                     continue
                 dx, dy = state.pose[w, b, 0] - x, state.pose[w, b, 1] - y
                 # Not nearer than the last one in the list, whatever its outline is: skip the exact search.
@@ -165,8 +165,8 @@ def write_nearest(
                 gap, px, py = nearest_cell_point(map_of(cells, w), x, y, distance[n_found - 1])
                 keep(gap, px - x, py - y, cells.body, slot, nearest)
             row = episode.observation[w, a, column : column + WIDTH * n_found]
-            write_gaps(w, own, slot, nearest, term, model, state, row)
-            write_motions(w, own, slot, nearest, speed, state, row)
+            write_gaps(w, body, slot, nearest, term, model, state, row)
+            write_motions(w, body, slot, nearest, speed, state, row)
 
 
 @kernel
@@ -201,9 +201,9 @@ def nearest_point(segments: Floats, x: float, y: float) -> tuple[float, float, f
         along = ((x - ax) * ux + (y - ay) * uy) / length2 if length2 > 0.0 else 0.0
         along = min(max(along, 0.0), 1.0)
         qx, qy = ax + along * ux, ay + along * uy
-        here = (qx - x) * (qx - x) + (qy - y) * (qy - y)
-        if here < least:
-            least, px, py = here, qx, qy
+        distance2 = (qx - x) * (qx - x) + (qy - y) * (qy - y)
+        if distance2 < least:
+            least, px, py = distance2, qx, qy
     return np.sqrt(least), px, py
 
 
@@ -279,7 +279,7 @@ def keep(gap: float, dx: float, dy: float, body: int, slot: int, nearest: Neares
 
 @kernel
 def write_gaps(
-    w: int, own: int, slot: int, nearest: Nearest, term: Bound, model: Model, state: State, row: Rays
+    w: int, body: int, slot: int, nearest: Nearest, term: Bound, model: Model, state: State, row: Rays
 ) -> None:
     """Write the code of the gap between each found body and the agent's own outline.
 
@@ -289,11 +289,11 @@ def write_gaps(
     """
     far = nearest.sight
     code = range_code(term.options[0], far)
-    first, last = span(model.segment_start, model.segment_count, w, own)
+    first, last = span(model.segment_start, model.segment_count, w, body)
     segments = state.segments[w, first:last]
-    first, last = span(model.disc_start, model.disc_count, w, own)
+    first, last = span(model.disc_start, model.disc_count, w, body)
     discs = state.discs[w, first:last]
-    x, y = state.pose[w, own, 0], state.pose[w, own, 1]
+    x, y = state.pose[w, body, 0], state.pose[w, body, 1]
     for k in range(nearest.distance.shape[1]):
         extent = extent_towards(segments, discs, x, y, nearest.way_x[slot, k], nearest.way_y[slot, k])
         gap: Any = np.float32(min(max(nearest.distance[slot, k] - extent, 0.0), far))
@@ -301,20 +301,20 @@ def write_gaps(
 
 
 @kernel
-def write_motions(w: int, own: int, slot: int, nearest: Nearest, speed: float, state: State, row: Rays) -> None:
+def write_motions(w: int, body: int, slot: int, nearest: Nearest, speed: float, state: State, row: Rays) -> None:
     """Write direction and relative velocity of each found body, in the agent's frame.
 
     Reads: nearest (body, way_x, way_y), state (pose, stopped, twist).
     Writes: row.
     """
-    cosine, sine = np.cos(state.pose[w, own, 2]), np.sin(state.pose[w, own, 2])
+    cosine, sine = np.cos(state.pose[w, body, 2]), np.sin(state.pose[w, body, 2])
     for k in range(nearest.distance.shape[1]):
-        dx, dy, found = nearest.way_x[slot, k], nearest.way_y[slot, k], nearest.body[slot, k]
-        b, there = (found, 1.0) if found >= 0 else (0, 0.0)
+        dx, dy, number = nearest.way_x[slot, k], nearest.way_y[slot, k], nearest.body[slot, k]
+        b, there = (number, 1.0) if number >= 0 else (0, 0.0)
         away = np.sqrt(dx * dx + dy * dy)
         scale = 1.0 / away if away > 0.0 else 0.0
-        vx = moving(w, b, 0, state) - moving(w, own, 0, state)
-        vy = moving(w, b, 1, state) - moving(w, own, 1, state)
+        vx = moving(w, b, 0, state) - moving(w, body, 0, state)
+        vy = moving(w, b, 1, state) - moving(w, body, 1, state)
         at = WIDTH * k
         row[at] = unit((dx * cosine + dy * sine) * scale)
         row[at + 1] = unit((dy * cosine - dx * sine) * scale)

@@ -74,7 +74,7 @@ def write_goal(worlds: Ints, term: Bound, model: Model, state: State, episode: E
         for a in range(agents.shape[0]):
             b = agents[a]
             row = episode.observation[w, a, column : column + 4]
-            here, there = (state.pose[w, b, 0], state.pose[w, b, 1]), (state.goal[w, b, 0], state.goal[w, b, 1])
-            d = write_direction(row[1:], here, turned(state.pose[w, b, 2], state.direction[w, b]), there)
+            place, there = (state.pose[w, b, 0], state.pose[w, b, 1]), (state.goal[w, b, 0], state.goal[w, b, 1])
+            d = write_direction(row[1:], place, turned(state.pose[w, b, 2], state.direction[w, b]), there)
             row[0] = np.float32(min(d / full, 1.0))
             row[3] = np.float32(np.exp(-d / options.near))

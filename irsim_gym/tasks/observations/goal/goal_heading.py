@@ -51,6 +51,6 @@ def write_goal_heading(worlds: Ints, agents: Ints, column: int, state: State, ep
     for w in worlds:
         for a in range(agents.shape[0]):
             turn = state.goal[w, agents[a], 2] - state.pose[w, agents[a], 2]
-            known = not np.isnan(turn)
-            episode.observation[w, a, column] = np.float32(np.cos(turn)) if known else np.float32(0.0)
-            episode.observation[w, a, column + 1] = np.float32(np.sin(turn)) if known else np.float32(0.0)
+            has_turn = not np.isnan(turn)
+            episode.observation[w, a, column] = np.float32(np.cos(turn)) if has_turn else np.float32(0.0)
+            episode.observation[w, a, column + 1] = np.float32(np.sin(turn)) if has_turn else np.float32(0.0)

@@ -115,18 +115,18 @@ def find_ways(
     blocked, field, queue, blocks = ways.blocked[slot], ways.field[slot], ways.queue[slot], ways.blocks[slot]
     for w in worlds:
         for a in range(agents.shape[0]):
-            own, target = agents[a], ways.target[w, a]
-            goal_x, goal_y = state.goal[w, own, 0], state.goal[w, own, 1]
+            body, target = agents[a], ways.target[w, a]
+            goal_x, goal_y = state.goal[w, body, 0], state.goal[w, body, 1]
             if goal_x == target[0] and goal_y == target[1]:
                 continue
             target[0], target[1] = goal_x, goal_y
-            mark_standing(model, w, own, blocks)
+            mark_standing(model, w, body, blocks)
             obstacles = Obstacles(model, state, w, blocks, cells, None)
-            radius = model.reach[row_of(model.reach, w), own]
+            radius = model.reach[row_of(model.reach, w), body]
             search_ways(obstacles, radius, (goal_x, goal_y), ways.grid, Search(blocked, field, queue))
-            known = field.reshape(-1)
-            for k in range(known.shape[0]):
-                ways.length[w, a, k] = np.float32(known[k])
+            lengths = field.reshape(-1)
+            for k in range(lengths.shape[0]):
+                ways.length[w, a, k] = np.float32(lengths[k])
                 ways.onward[w, a, k] = np.int32(queue[PARENT, k])
 
 
@@ -158,7 +158,7 @@ def entry(length: Rays, grid: Grid, x: float, y: float) -> int:
     """Return the number of the nearest cell with a path to the goal; -1 if none is near."""
     rows, columns = grid.rows, grid.columns
     own_row, own_column = int(np.floor((y - grid.origin_y) / grid.cell)), int(np.floor((x - grid.origin_x) / grid.cell))
-    best, found = np.inf, -1
+    best, gate = np.inf, -1
     for row in range(max(own_row - ENTRY, 0), min(own_row + ENTRY + 1, rows)):
         for column in range(max(own_column - ENTRY, 0), min(own_column + ENTRY + 1, columns)):
             if length[row * columns + column] == np.inf:
@@ -166,20 +166,20 @@ def entry(length: Rays, grid: Grid, x: float, y: float) -> int:
             centre_x, centre_y = centre(grid, row, column)
             dx, dy = centre_x - x, centre_y - y
             if dx * dx + dy * dy < best:
-                best, found = dx * dx + dy * dy, row * columns + column
-    return found
+                best, gate = dx * dx + dy * dy, row * columns + column
+    return gate
 
 
 @kernel
 def point_ahead(onward: Spans, grid: Grid, first: int, ahead: float, goal_x: float, goal_y: float) -> Point:
     """Return the first cell centre on a path that is at least ``ahead`` [m] away; the goal if the path is shorter."""
-    columns, here, driven = grid.columns, first, 0.0
-    x, y = centre(grid, here // columns, here % columns)
+    columns, cell, driven = grid.columns, first, 0.0
+    x, y = centre(grid, cell // columns, cell % columns)
     while driven < ahead:
-        here = int(onward[here])
-        if here < 0:
+        cell = int(onward[cell])
+        if cell < 0:
             return goal_x, goal_y
-        next_x, next_y = centre(grid, here // columns, here % columns)
+        next_x, next_y = centre(grid, cell // columns, cell % columns)
         driven += np.sqrt((next_x - x) * (next_x - x) + (next_y - y) * (next_y - y))
         x, y = next_x, next_y
     return x, y

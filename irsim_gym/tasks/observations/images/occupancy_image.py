@@ -57,8 +57,8 @@ class OccupancyImage(SquareImage):
     @property
     def needs(self) -> Needs:
         """What a robot must have: scans if it shows them, else the true state of all bodies."""
-        own: Needs = ("scan", "odometry") if self.from_scan else ("odometry", "bodies")
-        return (*own, "bodies") if self.from_scan and self.robot_channel else own
+        kinds: Needs = ("scan", "odometry") if self.from_scan else ("odometry", "bodies")
+        return (*kinds, "bodies") if self.from_scan and self.robot_channel else kinds
 
     @property
     def image_shape(self) -> tuple[int, int, int]:
@@ -126,13 +126,13 @@ def paint_occupied(
     options, box, sheet = term.options[0], paints.box, paints.sheets[slot]
     for w in worlds:
         for a in range(term.agents.shape[0]):
-            picture, own = image[w, a], term.agents[a]
+            picture, body = image[w, a], term.agents[a]
             clear(picture, 0)
-            canvas = Canvas(sheet, box, view_of(term, state.pose[w, own]))
+            canvas = Canvas(sheet, box, view_of(term, state.pose[w, body]))
             if options.bodies != 0:
                 for b in range(model.role.shape[0]):
                     is_robot = options.robot_channel != 0 and model.role[b] == ROBOT
-                    if model.present[w, b] and not (b == own or model.unobstructed[b] or is_robot):
+                    if model.present[w, b] and not (b == body or model.unobstructed[b] or is_robot):
                         add_body(canvas, model, state, w, b)
             if options.edge != 0:
                 add_outside(canvas, model.bounds)
@@ -163,10 +163,10 @@ def paint_robots(
     box, sheet = paints.box, paints.sheets[slot]
     for w in worlds:
         for a in range(term.agents.shape[0]):
-            picture, own = image[w, a], term.agents[a]
-            canvas = Canvas(sheet, box, view_of(term, state.pose[w, own]))
+            picture, body = image[w, a], term.agents[a]
+            canvas = Canvas(sheet, box, view_of(term, state.pose[w, body]))
             for b in range(model.role.shape[0]):
-                is_shown = b != own and model.role[b] == ROBOT and not model.unobstructed[b]
+                is_shown = b != body and model.role[b] == ROBOT and not model.unobstructed[b]
                 if is_shown and model.present[w, b]:
                     add_body(canvas, model, state, w, b)
             paint(picture[:, :, 1:2], sheet, box, paints.colours[1], False)
@@ -185,13 +185,13 @@ def paint_goal(worlds: Ints, slot: int, term: Bound, paints: Paints, model: Mode
     box, sheet = paints.box, paints.sheets[slot]
     for w in worlds:
         for a in range(term.agents.shape[0]):
-            picture, own = image[w, a], term.agents[a]
-            if not model.has_goal[own]:
+            picture, body = image[w, a], term.agents[a]
+            if not model.has_goal[body]:
                 continue
-            view, half = view_of(term, state.pose[w, own]), 0.5 * picture.shape[0]
-            x, y = state.goal[w, own, 0], state.goal[w, own, 1]
+            view, half = view_of(term, state.pose[w, body]), 0.5 * picture.shape[0]
+            x, y = state.goal[w, body, 0], state.goal[w, body, 1]
             aside, below = image_column(view, x, y) - half, image_row(view, x, y) - half
-            radius = max(model.goal_threshold[row_of(model.goal_threshold, w), own] * view.scale, LEAST_GOAL)
+            radius = max(model.goal_threshold[row_of(model.goal_threshold, w), body] * view.scale, LEAST_GOAL)
             away = max(np.abs(aside), np.abs(below))
             # A goal beyond the image is drawn towards the middle until its disc touches the border from within.
             share = max(half - radius, 0.0) / away if away > half - radius else 1.0

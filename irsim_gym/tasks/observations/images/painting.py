@@ -213,20 +213,20 @@ def add_cells(canvas: Canvas, cells: CellMaps | None, w: int) -> None:
     """Add the occupied cells of the map of world w to a sheet."""
     if cells is not None:
         view, box = canvas.camera, canvas.box
-        here = map_of(cells, w)
-        x, y, width, height, boxes = here.x, here.y, here.width, here.height, here.boxes
+        world_map = map_of(cells, w)
+        x, y, width, height, boxes = world_map.x, world_map.y, world_map.width, world_map.height, world_map.boxes
         seen = (
             CORNER
             * (max(view.middle_x, box[2] - view.middle_x, view.middle_y, box[3] - view.middle_y) + LINE)
             / view.scale
         )
-        for k in range(here.n_boxes):
+        for k in range(world_map.n_boxes):
             left, right = x + width * boxes[k, 0], x + width * boxes[k, 1]
             low, high = y + height * boxes[k, 2], y + height * boxes[k, 3]
             size = CORNER * (right - left + high - low)  # most cells are far away in any orientation of the image
             if max(abs(left - view.x), abs(low - view.y)) < seen + size:
-                if here.radius > 0.0:
-                    add_cell_discs(canvas, here, k)
+                if world_map.radius > 0.0:
+                    add_cell_discs(canvas, world_map, k)
                 else:
                     add_rectangle(canvas, (left, low), (right, high))
 

@@ -25,10 +25,10 @@ class Drive:
     def arrays(self, simulation: Simulation, agents: Ints) -> dict[str, NDArray[Any]]:
         """Return each agent's numbers, ``(n_agents, n_drives)``."""
         names = [KINEMATICS.name_of(type(simulation.scenario.bodies[int(b)].kinematics)) for b in agents]
-        known = sorted(set(names))
-        numbers = [KINEMATICS.names().index(name) for name in known]
-        own = np.array([[name == other for other in known] for name in names], np.float32)
-        return {"own": own, "drives": np.array(numbers, np.int64)}
+        names_there = sorted(set(names))
+        numbers = [KINEMATICS.names().index(name) for name in names_there]
+        flags = np.array([[name == other for other in names_there] for name in names], np.float32)
+        return {"own": flags, "drives": np.array(numbers, np.int64)}
 
     def bounds(self, term: Term, model: Model) -> tuple[Rays, Rays]:
         """Return the bounds, one element for each drive."""
@@ -57,9 +57,9 @@ class Drive:
 
 
 @kernel
-def write_drive(worlds: Ints, column: int, own: Rays, out: Rays) -> None:
-    """Copy each agent's row of ``own``, ``(n_agents, n_drives)``."""
+def write_drive(worlds: Ints, column: int, flags: Rays, out: Rays) -> None:
+    """Copy each agent's row of ``flags``, ``(n_agents, n_drives)``."""
     for w in worlds:
-        for a in range(own.shape[0]):
-            for k in range(own.shape[1]):
-                out[w, a, column + k] = own[a, k]
+        for a in range(flags.shape[0]):
+            for k in range(flags.shape[1]):
+                out[w, a, column + k] = flags[a, k]

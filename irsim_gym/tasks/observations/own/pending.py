@@ -45,20 +45,20 @@ class Pending:
 
     def mirrored(self, term: Term) -> Mirrored | str:
         """Return the columns as the drive says; what is positive to the left changes its sign."""
-        one = command_exchanged(term)
-        if isinstance(one, str):
-            return one
+        exchanged = command_exchanged(term)
+        if isinstance(exchanged, str):
+            return exchanged
         first = term.action_size * np.arange(self.steps)[:, None]
-        return Mirrored((first + one.columns).reshape(-1), np.tile(one.signs, self.steps))
+        return Mirrored((first + exchanged.columns).reshape(-1), np.tile(exchanged.signs, self.steps))
 
     def graph(self, term: Term, model: Model, agent: int, robot: RobotValues) -> Value:
         """Return the columns as a graph; see ``HasGraph``."""
         # At first, nothing is remembered (NaN), and the action is the one for standing still.
         graph, action = robot.graph, robot.action.spread(1)
         sent = graph.state("sent_actions", np.full((self.steps, term.action_size), np.nan, np.float32))
-        kept = graph.join([action, sent.is_nan().where(action, sent)]).columns(0, self.steps)
-        graph.keep("sent_actions", kept)
-        return kept.op("Flatten")
+        sent_actions = graph.join([action, sent.is_nan().where(action, sent)]).columns(0, self.steps)
+        graph.keep("sent_actions", sent_actions)
+        return sent_actions.op("Flatten")
 
     @staticmethod
     def write(term: Term, model: Model, state: State, episode: EpisodeState, shard: Shard) -> None:

@@ -71,13 +71,13 @@ class Trail:
         """Return the columns as a graph; see ``HasGraph``."""
         # Places are NaN until a mark is left there; the latest mark is first.
         marks = robot.graph.state("trail", np.full((self.marks, 2), np.nan))
-        here, latest = robot.pose.columns(0, 2).spread(1), robot.ways(marks.columns(0, 1))
+        position, latest = robot.pose.columns(0, 2).spread(1), robot.ways(marks.columns(0, 1))
         is_near = latest.op("ReduceSumSquare", axes=[2]) < self.spacing**2
-        kept = is_near.where(marks, robot.graph.join([here, marks.columns(0, self.marks - 1)]))
-        robot.graph.keep("trail", kept)
+        marks_now = is_near.where(marks, robot.graph.join([position, marks.columns(0, self.marks - 1)]))
+        robot.graph.keep("trail", marks_now)
         if self.fresh >= self.marks:
             return robot.constant(np.zeros(self.sectors))
-        ways = robot.ways(kept.columns(self.fresh, self.marks))
+        ways = robot.ways(marks_now.columns(self.fresh, self.marks))
         d = ways.length(2)
         nearness = (self.near / (d + self.near)).cast(np.float32).spread(1)
         if self.fresh == 0:  # the latest mark may be here: it counts as along the world's x axis

@@ -175,11 +175,11 @@ def write_past(worlds: Ints, slot: int, term: Bound, memory: Memory, state: Stat
         for a in range(term.agents.shape[0]):
             newest, far, now = episode.steps[w, a], memory.far[a], state.pose[w, term.agents[a]]
             for j in range(ago.shape[0]):
-                kept = (newest - min(ago[j], newest)) % memory.scans.shape[2]
+                row_then = (newest - min(ago[j], newest)) % memory.scans.shape[2]
                 column = term.column + j * sectors
                 row = episode.observation[w, a, column : column + sectors]
                 row[:] = far
-                scan, then = memory.scans[w, a, kept], memory.poses[w, a, kept]
+                scan, then = memory.scans[w, a, row_then], memory.poses[w, a, row_then]
                 find_ends(scan, then, now, memory.mount[a], memory.beams[a], ends)
                 lower_depths(scan, ends, far, memory.reach[a], row)
                 encode(row, range_code(options, far))

@@ -101,13 +101,13 @@ def shared_sensors(simulation: Simulation, agents: Ints, name: str) -> tuple[Gro
     Raises:
         ValueError: If some agents have no range sensor, or the sensors differ in their beams or in having noise.
     """
-    found = [simulation.scan(int(b)) for b in agents]
-    if not any(found):
+    sensors = [simulation.scan(int(b)) for b in agents]
+    if not any(sensors):
         return blind_sensors(simulation, agents)
-    groups = [item[0] for item in found if item is not None]
-    if len(groups) < len(found) or any(group is not groups[0] for group in groups):
+    groups = [item[0] for item in sensors if item is not None]
+    if len(groups) < len(sensors) or any(group is not groups[0] for group in groups):
         raise ValueError(f"observation '{name}': all learners need range sensors of one kind with the same beams")
-    return groups[0], np.array([item[1] for item in found if item is not None], np.int64)
+    return groups[0], np.array([item[1] for item in sensors if item is not None], np.int64)
 
 
 @kernel(inlined=True)
@@ -120,8 +120,8 @@ def encode(row: Rays, code: RangeCode) -> None:
 @kernel(inlined=True)
 def encoded(depth: np.float32, code: RangeCode) -> np.float32:
     """Return the code of a depth [m]."""
-    one = np.float32(1.0)
+    unit = np.float32(1.0)
     if code.number == INVERSE:
         # 1 in contact (depth 0), 0 at the depth of 1 / zero - near.
-        return (one / (depth + code.near) - code.zero) / (one / code.near - code.zero)
-    return one - depth / code.far
+        return (unit / (depth + code.near) - code.zero) / (unit / code.near - code.zero)
+    return unit - depth / code.far

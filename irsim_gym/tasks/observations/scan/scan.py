@@ -179,24 +179,24 @@ def pool(worlds: Ints, term: Bound, sectors: Sectors, episode: EpisodeState) -> 
     n_sectors, column = first.shape[0], term.column
     for w in worlds:
         for a in range(sectors.members.shape[0]):
-            scan, own, far = sectors.ranges[w, sectors.members[a]], sectors.extent[a], sectors.far[a]
+            scan, extent, far = sectors.ranges[w, sectors.members[a]], sectors.extent[a], sectors.far[a]
             row, code = episode.observation[w, a, column : column + n_sectors], range_code(options, far)
-            if n_sectors == own.shape[0]:
-                write_depths(code, own, scan, row)
+            if n_sectors == extent.shape[0]:
+                write_depths(code, extent, scan, row)
                 continue
             for s in range(n_sectors):
                 least = far
                 for k in range(first[s], last[s]):
-                    depth = scan[k] - own[k]
+                    depth = scan[k] - extent[k]
                     least = depth if depth < least else least
                 row[s] = least if least > np.float32(0.0) else np.float32(0.0)
             encode(row, code)
 
 
 @kernel(inlined=True)
-def write_depths(code: RangeCode, own: Rays, scan: Rays, row: Rays) -> None:
+def write_depths(code: RangeCode, extent: Rays, scan: Rays, row: Rays) -> None:
     """Write the code of each beam's depth beyond the own outline, for sectors of one beam."""
     for k in range(row.shape[0]):
-        depth = scan[k] - own[k]
+        depth = scan[k] - extent[k]
         depth = depth if depth < code.far else code.far
         row[k] = encoded(depth if depth > np.float32(0.0) else np.float32(0.0), code)

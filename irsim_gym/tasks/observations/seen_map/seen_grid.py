@@ -87,14 +87,14 @@ class SeenGrid(Struct):
         )
 
 
-def shared_map(own: SeenGrid, earlier: Sequence[Term]) -> SeenGrid:
+def shared_map(seen_map: SeenGrid, earlier: Sequence[Term]) -> SeenGrid:
     """Return the map of an earlier term of the task with the same cells and scans, to share it; else the own map."""
     for term in earlier:
         other = getattr(term.arrays, "seen", None)
-        if isinstance(other, SeenGrid) and (other.grid, other.every) == (own.grid, own.every):
-            other.follows = other.follows or own.follows
+        if isinstance(other, SeenGrid) and (other.grid, other.every) == (seen_map.grid, seen_map.every):
+            other.follows = other.follows or seen_map.follows
             return other
-    return own
+    return seen_map
 
 
 def world_grid(simulation: Simulation, cell: float | None) -> Grid:

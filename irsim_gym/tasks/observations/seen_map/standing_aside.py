@@ -46,15 +46,15 @@ def write_asides(
             if episode.arrival[w, a] == 0 and not yields_to_any(team, w, a):
                 continue
             b = term.agents[a]
-            here, rest = (state.pose[w, b, 0], state.pose[w, b, 1]), 0.0
-            there = here
-            if is_in_way(team, w, a, here):
+            place, rest = (state.pose[w, b, 0], state.pose[w, b, 1]), 0.0
+            there = place
+            if is_in_way(team, w, a, place):
                 there, rest = find_aside(team, slot, w, a, b, model, state)
                 team.is_stuck[w, a] = rest == np.inf
                 if rest == np.inf and episode.arrival[w, a] == 0:
                     continue
             row = episode.observation[w, a, term.column : term.column + 3]
-            write_way(row, here, turned(state.pose[w, b, 2], state.direction[w, b]), there, rest, full)
+            write_way(row, place, turned(state.pose[w, b, 2], state.direction[w, b]), there, rest, full)
 
 
 @kernel
@@ -64,15 +64,15 @@ def find_yields(team: TeamWays, w: int, a: int, term: Bound, state: State, episo
     Reads: team (count, is_stuck, points, ways, width), term (agents), state (pose), episode (arrival).
     Writes: team (yields).
     """
-    own = team.points[w, a, : team.count[w, a]]
-    soon = own[: int(SOON / team.ways.seen.grid.cell) + 1]
+    way = team.points[w, a, : team.count[w, a]]
+    soon = way[: int(SOON / team.ways.seen.grid.cell) + 1]
     for other in range(term.agents.shape[0]):
         points, b = team.points[w, other, : team.count[w, other]], term.agents[other]
         team.yields[w, a, other] = other != a and (
             episode.arrival[w, a] > 0
             or (
                 (other < a or team.is_stuck[w, other])
-                and is_beside(own, (state.pose[w, b, 0], state.pose[w, b, 1]), team.width)
+                and is_beside(way, (state.pose[w, b, 0], state.pose[w, b, 1]), team.width)
                 and come_near(soon, points, team.width)
             )
         )
@@ -168,13 +168,13 @@ def nearest_outside(team: TeamWays, slot: int, w: int, a: int, start: int) -> in
     grid, queues = team.ways.seen.grid, team.ways.queues[slot]
     walls, costs = team.levels[slot].reshape(-1), team.costs[slot].reshape(-1)
     begin_wave(start, queues, costs)
-    found, here = -1, next_cell(queues, costs)
-    while here >= 0 and (found < 0 or costs[here] == costs[found]):
+    cell, here = -1, next_cell(queues, costs)
+    while here >= 0 and (cell < 0 or costs[here] == costs[cell]):
         if not is_in_way(team, w, a, centre(grid, here // grid.columns, here % grid.columns)):
-            found = here if found < 0 else min(found, here)
+            cell = here if cell < 0 else min(cell, here)
         offer_neighbours(walls, grid.columns, here, queues, costs)
         here = next_cell(queues, costs)
-    return found
+    return cell
 
 
 @kernel

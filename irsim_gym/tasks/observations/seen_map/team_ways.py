@@ -89,8 +89,8 @@ def skip_robots(worlds: Ints, term: Bound, team: TeamWays, model: Model, state: 
         for a in range(term.agents.shape[0]):
             if episode.steps[w, a] % seen.every != 0:
                 continue
-            own = term.agents[a]
-            eye, readings = eye_of(scan, a, state.pose[w, own], grid), scan.ranges[w, scan.sensors[a]]
+            body = term.agents[a]
+            eye, readings = eye_of(scan, a, state.pose[w, body], grid), scan.ranges[w, scan.sensors[a]]
             for i in range(readings.shape[0]):
                 x, y = beam_end(scan, eye, scan.sensors[a], i, float(readings[i]))
                 skipped = False
@@ -98,7 +98,7 @@ def skip_robots(worlds: Ints, term: Bound, team: TeamWays, model: Model, state: 
                     dx = grid.origin_x + x * grid.cell - state.pose[w, b, 0]
                     dy = grid.origin_y + y * grid.cell - state.pose[w, b, 1]
                     far = reach[b] + MARGIN
-                    skipped = skipped or (b != own and model.present[w, b] and dx * dx + dy * dy < far * far)
+                    skipped = skipped or (b != body and model.present[w, b] and dx * dx + dy * dy < far * far)
                 seen.skipped[w, a, i] = skipped
 
 
@@ -119,35 +119,35 @@ def write_own_ways(
             if episode.arrival[w, a] > 0:
                 continue
             b = term.agents[a]
-            here, goal = (state.pose[w, b, 0], state.pose[w, b, 1]), (state.goal[w, b, 0], state.goal[w, b, 1])
-            there, rest, n_cells = way_ahead(team.ways, slot, w, a, here, goal)
+            place, goal = (state.pose[w, b, 0], state.pose[w, b, 1]), (state.goal[w, b, 0], state.goal[w, b, 1])
+            there, rest, n_cells = way_ahead(team.ways, slot, w, a, place, goal)
             row = episode.observation[w, a, term.column : term.column + 3]
-            write_way(row, here, turned(state.pose[w, b, 2], state.direction[w, b]), there, rest, full)
+            write_way(row, place, turned(state.pose[w, b, 2], state.direction[w, b]), there, rest, full)
             if episode.outcome[w, a] == RUNNING and rest < np.inf:
                 way, grid = team.ways.way[slot, :n_cells], team.ways.seen.grid
-                team.count[w, a] = write_points(team.points[w, a], here, goal, way, grid)
+                team.count[w, a] = write_points(team.points[w, a], place, goal, way, grid)
 
 
 @kernel
-def write_points(points: Floats, here: Point, goal: Point, way: Labels, grid: Grid) -> int:
+def write_points(points: Floats, place: Point, goal: Point, way: Labels, grid: Grid) -> int:
     """Write the first points of a way [m], one for each cell, and return their number.
 
     Args:
         points: The points, as many as there is room for, shape ``(n_points, 2)``.
-        here: The first point [m].
+        place: The first point [m].
         goal: Where the way leads [m].
         way: Numbers of its cells; none if it is straight, shape ``(n_cells,)``.
         grid: The grid of the cells.
 
     Writes: points.
     """
-    dx, dy = goal[0] - here[0], goal[1] - here[1]
+    dx, dy = goal[0] - place[0], goal[1] - place[1]
     cells = np.sqrt(dx * dx + dy * dy) / grid.cell
     count = min(points.shape[0], (int(cells) if way.shape[0] == 0 else way.shape[0]) + 1)
-    points[0, 0], points[0, 1] = here
+    points[0, 0], points[0, 1] = place
     for k in range(1, count):
         if way.shape[0] == 0:
-            points[k, 0], points[k, 1] = here[0] + dx * k / cells, here[1] + dy * k / cells
+            points[k, 0], points[k, 1] = place[0] + dx * k / cells, place[1] + dy * k / cells
         else:
             points[k, 0], points[k, 1] = centre(grid, way[k - 1] // grid.columns, way[k - 1] % grid.columns)
     return int(count)

@@ -41,18 +41,18 @@ def way_columns(direction: str, length: str, scaled: str) -> list[Columns]:
 
 
 @kernel
-def write_direction(row: Rays, here: Point, facing: Point, there: Point) -> float:
+def write_direction(row: Rays, place: Point, facing: Point, there: Point) -> float:
     """Write cosine and sine of the direction to a point, (1, 0) at the point itself, and return its distance [m].
 
     Args:
         row: The elements, of which the first two are written, shape ``(3,)``.
-        here: Where the agent is [m].
+        place: Where the agent is [m].
         facing: Cosine and sine of its heading.
         there: The point [m].
 
     Writes: row.
     """
-    dx, dy = there[0] - here[0], there[1] - here[1]
+    dx, dy = there[0] - place[0], there[1] - place[1]
     far = np.sqrt(dx * dx + dy * dy)
     row[0] = unit((dx * facing[0] + dy * facing[1]) / far if far > 0.0 else 1.0)
     row[1] = unit((dy * facing[0] - dx * facing[1]) / far if far > 0.0 else 0.0)
@@ -60,12 +60,12 @@ def write_direction(row: Rays, here: Point, facing: Point, there: Point) -> floa
 
 
 @kernel
-def write_way(row: Rays, here: Point, facing: Point, there: Point, rest: float, full: float) -> None:
+def write_way(row: Rays, place: Point, facing: Point, there: Point, rest: float, full: float) -> None:
     """Write the direction to the first part of a way, and the length of the whole way over the diagonal.
 
     Args:
         row: The three elements, shape ``(3,)``.
-        here: Where the agent is [m].
+        place: Where the agent is [m].
         facing: Cosine and sine of its heading.
         there: The last point that can be reached straight [m].
         rest: Length of the way from there on [m].
@@ -73,4 +73,4 @@ def write_way(row: Rays, here: Point, facing: Point, there: Point, rest: float, 
 
     Writes: row.
     """
-    row[2] = unit((write_direction(row, here, facing, there) + rest) / full)
+    row[2] = unit((write_direction(row, place, facing, there) + rest) / full)

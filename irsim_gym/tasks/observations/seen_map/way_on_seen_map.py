@@ -101,8 +101,8 @@ def write_ways_seen(
     for w in worlds:
         for a in range(term.agents.shape[0]):
             b = term.agents[a]
-            here, goal = (state.pose[w, b, 0], state.pose[w, b, 1]), (state.goal[w, b, 0], state.goal[w, b, 1])
-            there, rest, _ = way_ahead(ways, slot, w, a, here, goal)
+            place, goal = (state.pose[w, b, 0], state.pose[w, b, 1]), (state.goal[w, b, 0], state.goal[w, b, 1])
+            there, rest, _ = way_ahead(ways, slot, w, a, place, goal)
             row = episode.observation[w, a, term.column : term.column + 3]
             eye = seen.pose[w, b, 0], seen.pose[w, b, 1]
             write_way(row, eye, turned(seen.pose[w, b, 2], seen.direction[w, b]), there, rest, full)

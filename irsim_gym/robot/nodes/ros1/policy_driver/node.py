@@ -27,8 +27,8 @@ class DriverNode:
     def __init__(self) -> None:
         self.lock, self.buffer = threading.RLock(), Buffer()  # each topic has a thread of its own
         self.listener = TransformListener(self.buffer)
-        own = str(Path(rospkg.RosPack().get_path("policy_driver")) / "contract.json")
-        contract = rospy.get_param("~contract", own)
+        beside = str(Path(rospkg.RosPack().get_path("policy_driver")) / "contract.json")
+        contract = rospy.get_param("~contract", beside)
         transform = partial(self.buffer.lookup_transform, time=rospy.Time())
         self.driving = driving = Driving(contract, transform, rospy.loginfo, self.drive)
         self.interval = driving.use(lambda name, default: rospy.get_param(f"~{name}", default))

@@ -66,8 +66,8 @@ class DriverNode(LifecycleNode):
     def on_cleanup(self, state: LifecycleState) -> TransitionCallbackReturn:
         """Hear and send nothing any more."""
         self.destroy_timer(self.timer)
-        for one in self.inputs:
-            self.destroy_subscription(one)
+        for subscription in self.inputs:
+            self.destroy_subscription(subscription)
         self.destroy_lifecycle_publisher(self.publisher)
         return super().on_cleanup(state)
 
