@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import hashlib
-import json
 import runpy
 from pathlib import Path
 from typing import Any
@@ -12,19 +11,13 @@ import numpy as np
 import onnxruntime
 
 SCANS = runpy.run_path(str(Path(__file__).with_name("scans.py")))
-KEYS = {"format", "hashes", "scan", "robot", "bodies", "goal", "inputs", "states", "stop"}
 
 
 class Driver:
     """One robot, by contract.json. With no_return="zero", 0 is no return; mount: where the scanner is on the robot."""
 
     def __init__(self, contract: str | Path, no_return: str = "", ahead: float = 2.0, mount: Any = None) -> None:
-        try:
-            self.contract = json.loads(Path(contract).read_text(encoding="utf-8"))
-        except ValueError as problem:
-            raise ValueError(f"{contract} is not JSON: {problem}") from None
-        if (lacking := KEYS.difference(self.contract)) or self.contract["format"] != 1:
-            raise ValueError(f"{contract} is no contract of format 1; it lacks: {', '.join(sorted(lacking))}")
+        self.contract = SCANS["read_contract"](Path(contract))
         model, options = Path(contract).with_name("policy.onnx").read_bytes(), onnxruntime.SessionOptions()
         if hashlib.sha256(model).hexdigest() != self.contract["hashes"]["onnx"]:
             raise ValueError(f"{contract} belongs to another policy.onnx: their hashes differ")
@@ -33,6 +26,8 @@ class Driver:
         made_of, hashes = self.session.get_modelmeta().custom_metadata_map, self.contract["hashes"]
         if others := [name for name in ("policy", "scenario") if made_of.get(name) != hashes[name]]:
             raise ValueError(f"{contract} says that its policy.onnx was made of another {' and '.join(others)}")
+        if apart := SCANS["differing"](self.session, self.contract):
+            raise ValueError(f"{contract} and its policy.onnx differ in inputs or states: {', '.join(apart)}")
         self.own: dict[str, Any] = self.contract["scan"] or {"no_return": "", "mount": ()}
         self.no_return, self.ahead, self.mount = no_return or self.own["no_return"], ahead, mount or self.own["mount"]
         self.now = self.scan_time = self.pose_time = self.bodies_time = -np.inf

@@ -41,13 +41,14 @@ from irsim_gym.robot.contract import (
     Stops,
     TensorForm,
 )
-from irsim_gym.robot.graph_policy import ComparedPolicy, DelayedPolicy, GraphPolicy
+from irsim_gym.robot.graph_policy import ComparedPolicy, DelayedPolicy, GraphPolicy, without_latency
 from irsim_gym.robot.inputs import among_discs, is_disc, limits_of, scanner_form, seen_map_form, seers, sees_moving_only
 from irsim_gym.robot.model_card import model_card
 from irsim_gym.robot.nodes.package import check_node, package_files
 from irsim_gym.robot.parts.shield import AXES
 from irsim_gym.robot.policy_graph import PolicyGraph, UnfitForRobotError, policy_graph
 from irsim_gym.scenario.reading.parameters import PERTURBED, SHIELDED
+from irsim_gym.simulator.engine import compile
 from irsim_gym.simulator.world.model import ACKERMANN, STATE
 from irsim_gym.tasks import Episodes, Outcome
 from irsim_gym.tasks.episodes.prediction import steers
@@ -139,7 +140,7 @@ def export_for_robot(
     if predict > 0.0:
         graph = policy_graph(network, played, name, predict=predict, period=period)
         ahead = ComparedPolicy(GraphPolicy(graph), graph)
-        results, samples = results_of(DelayedPolicy(ahead, round(predict / own)), played, levels), ahead.samples
+        results, samples = _late_results(ahead, round(predict / own), played, levels), ahead.samples
     elif discs is not played:
         results = results_of(GraphPolicy(graph), played, levels)
     contents, hashes = _sealed(graph, samples, scenario_hash(asked), policy_digest(source) or "")
@@ -255,6 +256,12 @@ def results_of(policy: Policy, played: Episodes, levels: int) -> Results:
         solved += int((played.view.infos["outcome"][worlds] == Outcome.SUCCESS).all(axis=1).sum())
     share = rate(solved, levels)
     return Results(success=share.value, low=share.low, high=share.high, levels=levels, split=SPLIT)
+
+
+def _late_results(policy: Policy, n_steps: int, played: Episodes, levels: int) -> Results:
+    """Return the results of a policy whose commands act so many steps late, whatever latency the scenario has."""
+    prompt = compile(without_latency(played.simulation.scenario), played.n_worlds, agents=played.task.agents)
+    return results_of(DelayedPolicy(policy, n_steps), Episodes(prompt, played.task), levels)
 
 
 def _check_difference(compared: ComparedPolicy, name: str) -> None:

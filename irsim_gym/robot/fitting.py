@@ -15,7 +15,7 @@ from irsim_gym.evaluation.protocol.tables import write_text
 from irsim_gym.evaluation.requests.scenario_request import ScenarioRequest
 from irsim_gym.robot.contract import Results, RobotContract, Tested, read_export
 from irsim_gym.robot.export import SPLIT, results_of, scenario_hash
-from irsim_gym.robot.graph_policy import DelayedPolicy, GraphPolicy
+from irsim_gym.robot.graph_policy import DelayedPolicy, GraphPolicy, without_latency
 from irsim_gym.robot.inputs import Measured, limits_of, measured, scanner_of
 from irsim_gym.robot.policy_graph import PolicyGraph
 from irsim_gym.robot.scans import as_beams
@@ -180,7 +180,8 @@ def _played(
     """Return another robot with the results of the policy, which drives it as the driver does."""
     before = asked.episodes(1)
     step, period = float(before.simulation.model.step_time[0]), variant.values["period"]
-    scenario = _changed(asked.load(warn=False), before, variant)
+    loaded = asked.load(warn=False)
+    scenario = _changed(without_latency(loaded) if contract.predict else loaded, before, variant)
     played = replace(asked, scenario=scenario, parameters=None).episodes(levels)
     if variant.body is not None and played.n_discrete:
         raise IrsimGymError(f"{contract.policy} chooses between commands: only those of its own robot are known")

@@ -149,8 +149,10 @@ def test_check_takes_a_file_that_is_made_to_be_run_but_not_one_whose_task_does_n
     assert f"{file}: fine to run (robots: 1, obstacles: 0, no robot that can learn)" in said
     assert f"{file}:1   robot_0: has no goal" in said
     assert run(monkeypatch, "check", "--team", file) == 1
+    capsys.readouterr()
     file.write_text("robot: {kinematics: {name: diff}}\ntask: {max_steps: 5}\n")
     assert run(monkeypatch, "check", file) == 1
+    assert capsys.readouterr().err.count("robot_0: has no goal") == 1  # in reading and in playing alike
     blocked = "robot: {kinematics: {name: diff}, state: [5, 5, 0], goal: [9, 9]}\nobstacle: {state: [5, 5]}\n"
     file.write_text(blocked)  # it runs, too, and is no environment either
     assert run(monkeypatch, "check", file) == 0
@@ -467,6 +469,8 @@ def test_behaviours_of_ones_own(
         ("nowhere.py", "no file"),
         ("nowhere", "no module named 'nowhere' in this folder or installed; name a file with its suffix"),
         ("json.py", "another module named 'json' is already loaded; rename json.py"),
+        ("own_typo.py", "own_typo.py:2: invalid syntax"),
+        ("own_typo", "own_typo.py:2: invalid syntax"),
     ],
 )
 def test_imports_that_cannot_be(
@@ -475,8 +479,9 @@ def test_imports_that_cannot_be(
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(sys, "path", list(sys.path))
     Path("json.py").write_text("")
+    Path("own_typo.py").write_text("\ndef own(:\n")
     assert run(monkeypatch, "check", "empty_goal", "--import", name) == 1
-    assert said in capsys.readouterr().err
+    assert said in capsys.readouterr().err.replace("\n", "")
 
 
 def test_what_an_imported_module_misses_is_not_hidden(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:

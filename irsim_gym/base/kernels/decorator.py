@@ -116,7 +116,8 @@ class Kernel:
     def plain(self) -> Any:
         """Numba's dispatcher in its own way, with its own cache."""
         compilation()
-        return plain_dispatcher(self._function, {name: self._options[name] for name in RESULTS})
+        # Numba would take `_nrt` from the kernel that it is compiling now, which may count no references.
+        return plain_dispatcher(self._function, {"_nrt": True, **{name: self._options[name] for name in RESULTS}})
 
     def _dispatcher(self, form: str, hooked: Callable[[], tuple[Any, dict[str, Any]]]) -> Any:
         """Return a dispatcher with hooks.
@@ -181,9 +182,7 @@ def plain_dispatcher(function: Any, options: dict[str, Any]) -> Any:
     usual = config.CACHE_DIR
     try:
         config.CACHE_DIR = str(folder or "")
-        # Numba would take `_nrt` from the kernel that it is compiling now, which may count no references.
-        chosen: Any = {**options, "cache": folder is not None, "_nrt": True}
-        dispatcher: Any = numba.njit(**chosen)(function)
+        dispatcher: Any = numba.njit(cache=folder is not None, **options)(function)
     finally:
         config.CACHE_DIR = usual
     compile_cached = dispatcher.compile

@@ -6,7 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from irsim_gym.scenario.specs.level_set import LevelSet
-from irsim_gym.scenario.specs.spec import BodySpec, Scenario, WorldSpec
+from irsim_gym.scenario.specs.spec import BodySpec, Scenario
+from irsim_gym.scenario.specs.world_spec import WorldSpec
 
 MOST_TOLD = 3
 Floats = NDArray[np.float64]
