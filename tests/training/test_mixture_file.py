@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -10,6 +11,8 @@ from command_line import run as command
 
 from irsim_gym.errors import IrsimGymError, ScenarioError
 from irsim_gym.evaluation.suite.members import shipped_suite
+from irsim_gym.scenario import load_scenario
+from irsim_gym.tasks import load_task
 from irsim_gym.training.requests.training_request import TrainingRequest
 from irsim_gym.training.settings.mixture import MixturePart, mixture_file, read_mixture, requested_mixture
 
@@ -103,6 +106,16 @@ def test_the_mixture_general_is_all_of_core_with_one_robot() -> None:
     assert {(one.scenario, *sorted(one.parameters.items())) for one in found.parts} == core
     settings = TrainingRequest("general").with_mixture(found).settings()
     assert len(settings.mixture) == 6
+
+
+def test_the_mixture_general_robot_is_general_under_disturbances() -> None:
+    usual, late = (read_mixture(mixture_file(name)) for name in ("general", "general_robot"))  # type: ignore[arg-type]
+    for one, disturbed in zip(usual.parts, late.parts, strict=True):
+        drawn = disturbed.parameters["disturbances"]
+        assert disturbed == replace(one, parameters={**one.parameters, "disturbances": drawn})
+        scenario = load_scenario(disturbed.scenario, disturbed.parameters)
+        assert load_task(scenario, late.task).predict is True
+        assert "range_bias" in drawn or not scenario.bodies[0].sensors
 
 
 def test_the_mixtures_of_many_robots_have_the_same_scenarios_but_other_shares() -> None:
