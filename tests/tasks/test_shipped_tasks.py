@@ -88,7 +88,6 @@ def test_the_way_of_wide_way_navigation_keeps_its_distance() -> None:
     [
         ("dense_room", "wide_way_navigation", "robot_wide_way_navigation"),
         ("maze", "seen_navigation", "robot_seen_navigation"),
-        ("cluttered_room", "general_navigation", "robot_general_navigation"),
     ],
 )
 def test_tasks_of_late_robots_predict_and_add_the_commands_under_way(scenario: str, name: str, robot: str) -> None:

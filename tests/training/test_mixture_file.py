@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -108,14 +107,13 @@ def test_the_mixture_general_is_all_of_core_with_one_robot() -> None:
     assert len(settings.mixture) == 6
 
 
-def test_the_mixture_general_robot_is_general_under_disturbances() -> None:
-    usual, late = (read_mixture(mixture_file(name)) for name in ("general", "general_robot"))  # type: ignore[arg-type]
-    for one, disturbed in zip(usual.parts, late.parts, strict=True):
-        drawn = disturbed.parameters["disturbances"]
-        assert disturbed == replace(one, parameters={**one.parameters, "disturbances": drawn})
-        scenario = load_scenario(disturbed.scenario, disturbed.parameters)
-        assert load_task(scenario, late.task).predict is True
-        assert "range_bias" in drawn or not scenario.bodies[0].sensors
+def test_the_mixture_maze_robot_draws_disturbances_with_and_without_loops() -> None:
+    found = read_mixture(mixture_file("maze_robot"))  # type: ignore[arg-type]
+    assert [(one.scenario, one.parameters.get("loops")) for one in found.parts] == [("maze", None), ("maze", 0.0)]
+    for one in found.parts:
+        scenario = load_scenario(one.scenario, one.parameters)
+        assert len(scenario.disturbances) == 6
+        assert load_task(scenario, found.task).predict is True
 
 
 def test_the_mixtures_of_many_robots_have_the_same_scenarios_but_other_shares() -> None:
