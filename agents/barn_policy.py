@@ -16,10 +16,10 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from barn_levels import barn_levels
 from barn_row import PUBLISHED, score
 
 from irsim_gym.evaluation import EpisodeRow, Perceived, as_policy, conditions, machine, make_episodes, play_levels
-from irsim_gym.levels import import_barn
 
 OUT = Path(__file__).parent / "results" / "barn_policy.json"
 WORLDS = range(0, 300, 6)
@@ -58,7 +58,7 @@ def main(copy: Path, policies: Sequence[str]) -> None:
     lengths = [float(path_length[world]) for world in WORLDS]
     with tempfile.TemporaryDirectory() as folder:
         levels = Path(folder, "barn.npz")
-        levels.write_bytes(import_barn(copy).content())
+        np.savez_compressed(levels, **barn_levels(copy))
         worlds = Perceived(make_episodes(str(levels), n_worlds=len(WORLDS)))
         found = {}
         for name in policies:

@@ -2,7 +2,7 @@
 
     python agents/barn_row.py COPY [ROW ...]
 
-COPY is a user's own copy of BARN's worlds, an ``.npz`` as ``irsim-gym levels import barn`` reads it, with
+COPY is a user's own copy of BARN's worlds, an ``.npz`` as ``barn_levels.py`` reads it, with
 ``path_length`` (300,) [m] beside the cylinders. The worlds are 0, 6, ..., 294. Nothing is random here, so each is
 driven once where the original drives it ten times. Further rows leave out how BARN's DWA goes on where no way ahead
 is free. The score of a run is success * OT / clip(AT, 2 OT, 8 OT), where OT is the path length divided by 2 m/s and AT
@@ -21,10 +21,10 @@ from typing import Any
 
 import numpy as np
 import yaml
+from barn_levels import barn_levels
 
 import irsim_gym
 from irsim_gym.evaluation import machine
-from irsim_gym.levels import import_barn
 
 HERE = Path(__file__).parent
 RESULT = HERE / "results" / "barn_dwa.json"
@@ -111,7 +111,7 @@ def main(copy: Path, names: list[str]) -> None:
     played = json.loads(RESULT.read_text(encoding="utf-8"))["rows"] if names else {}
     with tempfile.TemporaryDirectory() as folder:
         levels = Path(folder, "barn.npz")
-        levels.write_bytes(import_barn(copy).content())
+        np.savez_compressed(levels, **barn_levels(copy))
         for row in names or ROWS:
             played[row] = play(levels, lengths, row)
             print(row, {key: value for key, value in played[row].items() if key != "worlds"}, flush=True)

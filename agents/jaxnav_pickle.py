@@ -1,9 +1,9 @@
-"""Take the arrays of JaxNav's levels out of a pickle, for ``irsim-gym levels import jaxnav``.
+"""Convert levels of JaxNav (Rutherford et al. 2024), a pickle of states, into a file of levels.
 
-    python agents/jaxnav_pickle.py eval_single_agent_1000e.pkl nav.npz
-    irsim-gym levels import jaxnav nav.npz --out jaxnav.npz
+    python agents/jaxnav_pickle.py eval_single_agent_1000e.pkl jaxnav.npz
 
-The pickle holds states (Rutherford et al. 2024). It is not loaded, as that can run code: its arrays are taken out of
+Levels for one or four robots name the benchmark ``jaxnav_single`` or ``jaxnav_four``, so that they are played as they
+are. It is not loaded, as that can run code: its arrays are taken out of
 it, objects of JaxMARL become plain records, and anything else is refused.
 """
 
@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import argparse
 import io
+import json
 import pickle
 from collections.abc import Iterator, Mapping
 from pathlib import Path
@@ -25,7 +26,7 @@ WORDS = {
     "start_heading": ("theta", "agent_theta"),
     "goal_xy": ("goal", "goal_pos"),
 }
-"""Names of a level's arrays in the ``.npz``, and in the classes of JaxNav's pickles."""
+"""Arrays of a level, and their names in the classes of JaxNav's pickles."""
 AXES = {"cells": 3, "start_xy": 3, "start_heading": 2, "goal_xy": 3}
 """Numbers of axes of the arrays; a record with one less holds a single level."""
 
@@ -50,6 +51,33 @@ def arrays_of(file: Path) -> dict[str, NDArray[Any]]:
     if not found["cells"]:
         raise SystemExit(f"{file} holds no state of JaxNav")
     return {name: np.concatenate(parts) for name, parts in found.items()}
+
+
+BENCHMARKS = {1: "jaxnav_single", 4: "jaxnav_four"}
+"""The benchmark that plays levels of so many robots, if their map has its size."""
+SIZE = (11, 11)
+
+
+def levels_of(arrays: Mapping[str, NDArray[Any]], file: str) -> dict[str, NDArray[Any]]:
+    """Return the arrays of a file of levels (docs/levels.md) for robots named ``robot_0``, ``robot_1`` and so on.
+
+    Columns run along x and rows along y, 1 m each, whereas JaxNav's maps are indexed ``[y][x]``.
+
+    Args:
+        arrays: What ``arrays_of`` returns.
+        file: Name of the pickle.
+    """
+    heading = np.mod(arrays["start_heading"].astype(np.float64) + np.pi, 2.0 * np.pi) - np.pi
+    about, size = {"source": "JaxNav", "file": file}, arrays["cells"].shape[1:]
+    if heading.shape[1] in BENCHMARKS and size == SIZE:
+        about["scenario"] = BENCHMARKS[heading.shape[1]]
+    return {
+        "bodies": np.array([f"robot_{k}" for k in range(heading.shape[1])]),
+        "start": np.concatenate([arrays["start_xy"].astype(np.float64), heading[..., None]], axis=2),
+        "goal": np.concatenate([arrays["goal_xy"].astype(np.float64), np.full((*heading.shape, 1), np.nan)], axis=2),
+        "cells": arrays["cells"].transpose(0, 2, 1) == 1,
+        "about": np.array(json.dumps(about, sort_keys=True)),
+    }
 
 
 def _records(data: object) -> Iterator[ForeignObject]:
@@ -132,12 +160,12 @@ class _NumbersOnly(pickle.Unpickler):
 
 
 def main() -> None:
-    """Write the arrays of a pickle to an ``.npz``."""
+    """Write the levels of a pickle."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("pickle", type=Path)
     parser.add_argument("out", type=Path)
     given = parser.parse_args()
-    np.savez_compressed(given.out, **arrays_of(given.pickle))
+    np.savez_compressed(given.out, **levels_of(arrays_of(given.pickle), given.pickle.name))
 
 
 if __name__ == "__main__":

@@ -2,7 +2,7 @@
 
     python agents/jaxnav_score.py LEVELS POLICY [--task TASK] [--windows N] [--levels N] [--mean] [--out FILE]
 
-LEVELS is a user's own copy after ``irsim-gym levels import jaxnav``, or the name of a benchmark; POLICY a run's folder,
+LEVELS is a user's own copy after ``jaxnav_pickle.py``, or the name of a benchmark; POLICY a run's folder,
 or with ``--mean``, which takes the mean actions, the name of a shipped policy. Without TASK, episodes end as the
 benchmark says. SFL (Rutherford et al. 2024, sampling-for-learnability 8b14e2e) drives each level in ten windows of as
 many steps as the time limit. Actions are drawn, not taken at their mean. Where all robots have ended, the level begins

@@ -4,15 +4,12 @@ from __future__ import annotations
 
 import os
 import signal
-import warnings
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from typing import Any
 
 import pytest
 from hypothesis import settings
 
-from irsim_gym.cli.work import trial
-from irsim_gym.errors import ScenarioWarning
 from irsim_gym.simulator.running import shards
 
 # PyTorch's threads only wait for each other where every core has a test of its own.
@@ -48,18 +45,6 @@ def threads_at_once(monkeypatch: pytest.MonkeyPatch) -> None:
     """Worlds are shared among threads however little there is to do, and threads get something of it."""
     monkeypatch.setattr(shards, "WORTH_S", 0.0)
     monkeypatch.setattr(shards, "HEAD_START_S", 1e-4)
-
-
-@pytest.fixture
-def played_here(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Let ``check`` play files in this process: another one takes seconds to start, and has tests of its own."""
-
-    def play(files: Sequence[str], reading: trial.ReadOptions) -> tuple[dict[str, trial.Played], str]:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore", ScenarioWarning)
-            return {file: trial._played(file, reading) for file in files}, ""
-
-    monkeypatch.setattr(trial, "_in_a_process", play)
 
 
 @pytest.fixture

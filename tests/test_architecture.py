@@ -57,7 +57,7 @@ FOREIGN = {
     "scenario": {"pydantic", "pydantic_core", "yaml", "PIL"},
     "simulator": {"numba", "llvmlite", "shapely"},
     "bodies": {"shapely", "PIL"},
-    "rendering": {"matplotlib", "imageio_ffmpeg", "moviepy", "PIL", "rich", "pynput", "IPython"},
+    "rendering": {"matplotlib", "imageio_ffmpeg", "moviepy", "PIL", "rich", "IPython"},
     "tasks": {"pydantic", "pydantic_core", "onnx"},
     "live": {"shapely"},
     "envs": {"gymnasium"},
@@ -68,8 +68,8 @@ FOREIGN = {
 ONLY_FILES = {
     "pettingzoo": "envs/teams/parallel",
     "stable_baselines3": "envs/sb3",
-    "ray": "envs/rllib",
-    "torch": ("envs/rllib", "envs/sb3_learning/gru", "envs/sb3_learning/memory", "envs/teams/torch_rows"),
+    "ray": "rllib.py",
+    "torch": ("envs/sb3_learning/gru", "envs/sb3_learning/memory", "envs/teams/torch_rows"),
     "wrapt": "envs/gymnasium/registration",
     "rich": "envs/described/description_text",
 }
@@ -98,7 +98,8 @@ RASTER = "rendering.raster"
 # Copied to where the package is not: they import only each other.
 SCRIPTS = {
     "robot/drive.py",
-    "robot/perceive.py",
+    "robot/parts/perceive.py",
+    "robot/parts/shield.py",
     "robot/scans.py",
     "robot/nodes/driving.py",
     *(f"robot/nodes/{ros}/policy_driver/node.py" for ros in ("ros1", "ros2")),
@@ -642,12 +643,7 @@ def test_files_from_outside_have_one_reader() -> None:
             "training/runs/checkpoint.py",
         ),
         "training/runs/environment.py",
-        *(
-            "training/export/exporting.py",
-            "evaluation/saved_policies/saved_models.py",
-            "cli/work/trial.py",
-            "training/searches/tuning.py",
-        ),
+        *("training/export/exporting.py", "evaluation/saved_policies/saved_models.py", "training/searches/tuning.py"),
         "evaluation/saved_policies/trusted.py",
     }
     places = {

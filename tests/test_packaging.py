@@ -71,9 +71,9 @@ def test_the_wheel_holds_what_runs(built: Path) -> None:
         assert f"irsim_gym/configs/{source.relative_to(ROOT / 'configs').as_posix()}" in names
     for source in (ROOT / "agents" / "hyperparameters").rglob("*.yaml"):
         assert f"irsim_gym/{source.relative_to(ROOT / 'agents').as_posix()}" in names
-    for source in (ROOT / "agents" / "shelf").iterdir():
+    for source in (ROOT / "agents" / "shelf").rglob("*.*"):
         is_left_out = source.stem in LEFT_OUT
-        assert (f"irsim_gym/shelf/{source.name}" in names) is not is_left_out
+        assert (f"irsim_gym/{source.relative_to(ROOT / 'agents').as_posix()}" in names) is not is_left_out
     for source in (ROOT / "irsim_gym" / "rendering" / "replay" / "page").iterdir():
         assert f"irsim_gym/rendering/replay/page/{source.name}" in names
     for source in (ROOT / "irsim_gym" / "robot" / "nodes").rglob("*"):

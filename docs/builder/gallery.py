@@ -13,7 +13,7 @@ from builder.records import cards_in, references
 from irsim_gym.envs.described.description import Description
 from irsim_gym.errors import IrsimGymError
 from irsim_gym.evaluation.saved_policies.cards import PolicyCard
-from irsim_gym.evaluation.saved_policies.shelf_tables import percent
+from irsim_gym.evaluation.saved_policies.shelf_tables import curves_text, percent
 from irsim_gym.evaluation.suite import suite_tables
 from irsim_gym.evaluation.suite.members import shipped_suite
 from irsim_gym.scenario.reading.load import load_scenario
@@ -151,6 +151,7 @@ def _card(card: PolicyCard) -> str:
         ("weights", f"{card.network.weights:,}, {card.size / 1000:.0f} kB"),
         ("training", f"{training.steps:,} steps, {training.cpu_seconds:.0f} s of CPU time, seed {training.seed}"),
         *(("success [%]", f"{percent(one.success)} on {one.levels:,} {one.split} levels") for one in card.results),
+        *([("5 points of success lost at", curves_text(card.robustness))] if card.robustness else []),
         *(("weakness", sentence) for sentence in card.weaknesses),
     ]
     use = f'`irsim_gym.load_policy("{card.name}")`, `irsim-gym policies show {card.name}`'

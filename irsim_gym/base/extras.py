@@ -12,7 +12,6 @@ EXTRAS = MappingProxyType(
         "tune": ("torch", "stable_baselines3", "tensorboard", "optuna"),
         "rllib": ("torch", "stable_baselines3", "tensorboard", "ray"),
         "robot": ("onnx", "onnxruntime", "rosbags"),
-        "play": ("pynput",),
     }
 )
 """The modules that each extra brings and that this package imports."""

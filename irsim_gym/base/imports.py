@@ -16,13 +16,13 @@ def import_modules(names: Sequence[str] | None) -> Sequence[str]:
         names: Paths of ``.py`` files, or dotted names of modules in the current folder or installed.
 
     Raises:
-        IrsimGymError: If a file or module does not exist, or a module of this name is already loaded.
+        IrsimGymError: If a file or module does not exist or is not valid Python, or one of this name is already loaded.
     """
     for name in names or ():
-        if name.endswith(".py"):
-            _import_file(Path(name).resolve())
-        else:
-            _import_module(name)
+        try:
+            _import_file(Path(name).resolve()) if name.endswith(".py") else _import_module(name)
+        except SyntaxError as error:
+            raise IrsimGymError(f"--import: {error.filename}:{error.lineno}: {error.msg}") from None
     return names or ()
 
 

@@ -58,7 +58,7 @@ def check(
     from irsim_gym.cli.work.check import check_files
     from irsim_gym.cli.work.trial import ReadOptions
 
-    if not check_files(files, ReadOptions(read_parameters(given), modules or (), not lenient, task, team)):
+    if not check_files(files, ReadOptions(read_parameters(given), not lenient, task, team)):
         raise typer.Exit(1)
 
 

@@ -8,11 +8,7 @@ import typer
 from irsim_gym.cli import options as opt
 from irsim_gym.cli.tools import scenario_request
 
-levels = typer.Typer(
-    help="Levels as files: draw them, import those of other projects, certify and show them.",
-    no_args_is_help=True,
-    add_completion=False,
-)
+levels = typer.Typer(help="Levels as files: draw, certify and show them.", no_args_is_help=True, add_completion=False)
 
 Splits = Annotated[str, typer.Option("--split", help="Split of the levels: train, dev or test; several: train,dev.")]
 Count = Annotated[int, typer.Option(min=1, max=opt.MOST_LEVELS, help="Number of levels of each split.")]
@@ -65,28 +61,6 @@ def certify(
 
     wanted = scenario_request(scenario, task, team, given, lenient)
     run_certify(wanted, split, count, policies or None, out)
-
-
-imports = typer.Typer(help="Convert levels of other projects, from your own copy.", no_args_is_help=True)
-levels.add_typer(imports, name="import")
-
-
-@imports.command()
-def barn(path: Annotated[Path, typer.Argument(help=opt.HELP["barn path"])], out: Out) -> None:
-    """Convert the worlds of the BARN challenge into levels of the benchmark `barn`: `irsim-gym evaluate OUT dwa`."""
-    from irsim_gym.evaluation.levels.barn import import_barn
-    from irsim_gym.evaluation.levels.level_commands import write_levels
-
-    write_levels(import_barn(path), out)
-
-
-@imports.command()
-def jaxnav(path: Annotated[Path, typer.Argument(help=opt.HELP["jaxnav path"])], out: Out) -> None:
-    """Convert levels of JaxNav. `agents/jaxnav_pickle.py` takes the arrays out of its pickles."""
-    from irsim_gym.evaluation.levels.jaxnav import import_jaxnav
-    from irsim_gym.evaluation.levels.level_commands import write_levels
-
-    write_levels(import_jaxnav(path), out)
 
 
 @levels.command()

@@ -1,7 +1,7 @@
 """The commands ``irsim-gym export``, ``fit`` and ``bag``."""
 
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
@@ -30,6 +30,8 @@ def export(
     ] = None,
     node: Annotated[str | None, typer.Option(help=opt.HELP["export node"])] = None,
     bodies: Annotated[str | None, typer.Option(help=opt.HELP["export bodies"])] = None,
+    shield: opt.Shield = None,
+    lag: Annotated[float, typer.Option(min=0.0, max=10.0, help=opt.HELP["export lag"])] = 0.0,
     levels: Annotated[int, typer.Option(min=1, max=opt.MOST_LEVELS, help=opt.HELP["export levels"])] = 50,
     task: opt.Task = None,
     given: opt.Given = None,
@@ -47,9 +49,8 @@ def export(
     if scenario is None and (given or task):
         raise IrsimGymError("--set and --task go with --scenario")
     asked = None if scenario is None else ScenarioRequest(scenario, task, False, read_parameters(given))
-    made = export_for_robot(
-        policy, out, predict=predict, period=period, asked=asked, levels=levels, node=node, bodies=bodies
-    )
+    how: dict[str, Any] = {"predict": predict, "period": period, "node": node, "bodies": bodies}
+    made = export_for_robot(policy, out, asked=asked, levels=levels, shield=shield, lag=lag, **how)
     size = (made.folder / "policy.onnx").stat().st_size / 1000
     if made.contract.seen_map:
         print("not one file: way_on_seen_map, which perceive.py finds beside the graph")

@@ -26,6 +26,7 @@ def run_suite(
     policies: Annotated[list[str], typer.Argument(help=HELP["run_suite policies"])],
     levels: Levels = 1000,
     split: Split = "test",
+    latency: Annotated[bool, typer.Option("--latency", help=HELP["run_suite latency"])] = False,
     out: Annotated[Path | None, typer.Option(help=HELP["run_suite out"])] = None,
     overwrite: Annotated[bool, typer.Option("--overwrite", help=HELP["run_suite overwrite"])] = False,
     modules: Imports = None,
@@ -38,18 +39,19 @@ def run_suite(
     from irsim_gym.evaluation.suite.suite_tables import markdown
     from irsim_gym.tasks.episodes.levels import check_split
 
-    chosen = [name for name in names.split(",") if name]
-    if not chosen:
+    wanted = [name for name in names.split(",") if name]
+    if not wanted:
         raise IrsimGymError("name a tier or a benchmark, such as core; `irsim-gym suite list` shows them")
     report_together(
-        lambda: shipped_suite().chosen(chosen),
+        lambda: shipped_suite().chosen(wanted),
         lambda: check_policies(policies),
         lambda: check_split(split),
         lambda: check_folder(out),
     )
-    members = shipped_suite().chosen(chosen)
+    members = shipped_suite().chosen(wanted)
     folder = out or Path("runs") / f"suite-{names.replace(',', '-')}"
-    record = play_suite(members, read_methods(policies), folder, levels=levels, split=split, overwrite=overwrite)
+    chosen = {"latency": latency, "overwrite": overwrite}
+    record = play_suite(members, read_methods(policies), folder, levels=levels, split=split, **chosen)
     print(markdown(record))
     print(f"rows and summary: {folder}")
 

@@ -152,6 +152,7 @@ class World:
     obstacle_number = Attribute("_population", Population.obstacle_number)
     static_objects = Attribute("_population", Population.static_objects)
     dynamic_objects = Attribute("_population", Population.dynamic_objects)
+    contacts = Attribute("_population", Population.contacts)
     get_object_by_name = Method("_population", Population.get_object_by_name)
     get_object_by_id = Method("_population", Population.get_object_by_id)
     get_group_by_name = Method("_population", Population.get_group_by_name)

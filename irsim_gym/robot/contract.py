@@ -7,6 +7,7 @@ from typing import Any, Literal
 from pydantic import BaseModel, ConfigDict, Field
 
 from irsim_gym.base.outside_files import json_object, reading
+from irsim_gym.evaluation.saved_policies.cards import CardCurve
 from irsim_gym.tasks.terms.term import Needs
 
 FORMAT = 1
@@ -124,6 +125,15 @@ class Stops(_Fixed):
     lost_beams: float = Field(description="A share.")
 
 
+class ShieldForm(_Fixed):
+    """The shield of shield.py, which the driver applies to each command; results are those without it."""
+
+    name: Literal["stop_in_time"]
+    margin: float = Field(description="Distance that is kept, where the robot is not nearer yet [m].")
+    latency: float = Field(description="Time from measuring until a new command acts [s].")
+    lag: float = Field(description="Time constant with which the drive follows its commands [s].")
+
+
 class Results(_Fixed):
     """Success on levels of the simulator, with its 95 % Wilson interval."""
 
@@ -156,11 +166,10 @@ class RobotContract(_Fixed):
     outputs: dict[str, tuple[str, ...]]
     stop: Stops
     results: Results
-
-
-def contract_schema() -> dict[str, Any]:
-    """Return the JSON Schema of contract.json."""
-    return RobotContract.model_json_schema()
+    shield: ShieldForm | None = Field(None, description="None for drivers without one.")
+    robustness: dict[str, CardCurve] = Field(
+        default={}, description="Strengths of disturbances by factor of `irsim-gym robustness`, without `predict`."
+    )
 
 
 def read_export(folder: Path) -> tuple[RobotContract, bytes]:

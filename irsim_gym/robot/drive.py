@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import hashlib
-import json
 import runpy
 from pathlib import Path
 from typing import Any
@@ -12,19 +11,13 @@ import numpy as np
 import onnxruntime
 
 SCANS = runpy.run_path(str(Path(__file__).with_name("scans.py")))
-KEYS = {"format", "hashes", "scan", "robot", "bodies", "goal", "inputs", "states", "stop"}
 
 
 class Driver:
     """One robot, by contract.json. With no_return="zero", 0 is no return; mount: where the scanner is on the robot."""
 
     def __init__(self, contract: str | Path, no_return: str = "", ahead: float = 2.0, mount: Any = None) -> None:
-        try:
-            self.contract = json.loads(Path(contract).read_text(encoding="utf-8"))
-        except ValueError as problem:
-            raise ValueError(f"{contract} is not JSON: {problem}") from None
-        if (lacking := KEYS.difference(self.contract)) or self.contract["format"] != 1:
-            raise ValueError(f"{contract} is no contract of format 1; it lacks: {', '.join(sorted(lacking))}")
+        self.contract = SCANS["read_contract"](Path(contract))
         model, options = Path(contract).with_name("policy.onnx").read_bytes(), onnxruntime.SessionOptions()
         if hashlib.sha256(model).hexdigest() != self.contract["hashes"]["onnx"]:
             raise ValueError(f"{contract} belongs to another policy.onnx: their hashes differ")
@@ -33,16 +26,20 @@ class Driver:
         made_of, hashes = self.session.get_modelmeta().custom_metadata_map, self.contract["hashes"]
         if others := [name for name in ("policy", "scenario") if made_of.get(name) != hashes[name]]:
             raise ValueError(f"{contract} says that its policy.onnx was made of another {' and '.join(others)}")
+        if apart := SCANS["differing"](self.session, self.contract):
+            raise ValueError(f"{contract} and its policy.onnx differ in inputs or states: {', '.join(apart)}")
         self.own: dict[str, Any] = self.contract["scan"] or {"no_return": "", "mount": ()}
         self.no_return, self.ahead, self.mount = no_return or self.own["no_return"], ahead, mount or self.own["mount"]
         self.now = self.scan_time = self.pose_time = self.bodies_time = -np.inf
         self.good_scans, self.has_fault, self.scan_fault, self.note, self.frame, self.goal_frame = 0, False, *[""] * 4
         nothing: Any = None
-        self.ranges = self.pose = self.way = self.map = nothing
+        self.ranges = self.seen = self.pose = self.way = self.map = self.shield = nothing
         self.velocity, self.others = np.zeros((1, len(self.contract["robot"]["low"]))), np.zeros((1, 0, 5))
         self.states: dict[str, Any] = {}
         if self.contract["seen_map"]:
             self.map = runpy.run_path(str(Path(contract).with_name("perceive.py")))["SeenMap"](self.contract)
+        if self.contract.get("shield"):
+            self.shield = runpy.run_path(str(Path(contract).with_name("shield.py")))["Shield"](self.contract)
         self.forget()
 
     def forget(self, *kept: str) -> None:
@@ -63,7 +60,7 @@ class Driver:
         found = {"beams": size, "range_max": msg.range_max, "field_of_view": abs(step) * max(size - 1, 0)}
         found["x"], found["y"], found["turn"] = self.mount
         self.scan_fault, self.note = SCANS["compared"](found, self.own, abs(step))
-        self.scan_time = SCANS["seconds"](msg.header.stamp)
+        self.scan_time, self.seen = SCANS["seconds"](msg.header.stamp), (msg, ranges, lost, self.velocity)
         if size and lost.mean() > self.contract["stop"]["lost_beams"]:
             self.scan_fault = f"{lost.mean():.0%} of the beams are lost"
         self.good_scans = 0 if self.scan_fault else self.good_scans + 1
@@ -115,12 +112,16 @@ class Driver:
             self.good_scans, self.has_fault = 0, True
             return self._still("the command is not finite")
         self.states = dict(zip(self.states, after))  # noqa: B905  (Python 3.8 knows no strict)
+        if self.shield:
+            command, reason = self.shield.slowed(self, command)
         if robot["steers"]:
             command[1] = command[0] * np.tan(command[1]) / robot["wheelbase"]
-        return (*command.tolist(), "")
+        return (*command.tolist(), reason)
 
     def _still(self, reason: str) -> tuple[Any, ...]:
         self.states["action"] = np.full_like(self.states["action"], self.contract["states"]["action"]["start"])
+        if self.shield:
+            self.shield.sent.append(np.zeros(3))
         if "pending" in self.states:  # this command is under way, too
             self.states["pending"] = np.pad(self.states["pending"][:, 1:], ((0, 0), (0, 1), (0, 0)))
         return (*[0.0] * self.velocity.shape[1], reason)

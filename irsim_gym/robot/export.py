@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from irsim_gym.base.errors import IrsimGymError
-from irsim_gym.base.families import KINEMATICS
+from irsim_gym.base.families import FOOTPRINTS, KINEMATICS, SHIELDS
 from irsim_gym.base.version import __version__
 from irsim_gym.evaluation.measures.metrics import rate
 from irsim_gym.evaluation.policies.perception import Perceived
@@ -36,17 +36,19 @@ from irsim_gym.robot.contract import (
     RobotContract,
     RobotLimits,
     ScenarioForm,
+    ShieldForm,
     StateForm,
     Stops,
     TensorForm,
-    contract_schema,
 )
-from irsim_gym.robot.graph_policy import ComparedPolicy, DelayedPolicy, GraphPolicy
-from irsim_gym.robot.inputs import among_discs, limits_of, scanner_form, seen_map_form, seers, sees_moving_only
+from irsim_gym.robot.graph_policy import ComparedPolicy, DelayedPolicy, GraphPolicy, without_latency
+from irsim_gym.robot.inputs import among_discs, is_disc, limits_of, scanner_form, seen_map_form, seers, sees_moving_only
 from irsim_gym.robot.model_card import model_card
 from irsim_gym.robot.nodes.package import check_node, package_files
+from irsim_gym.robot.parts.shield import AXES
 from irsim_gym.robot.policy_graph import PolicyGraph, UnfitForRobotError, policy_graph
-from irsim_gym.scenario.reading.parameters import PERTURBED
+from irsim_gym.scenario.reading.parameters import PERTURBED, SHIELDED
+from irsim_gym.simulator.engine import compile
 from irsim_gym.simulator.world.model import ACKERMANN, STATE
 from irsim_gym.tasks import Episodes, Outcome
 from irsim_gym.tasks.episodes.prediction import steers
@@ -61,8 +63,12 @@ TOLERANCE = 1e-5
 PERIODS, LOST = 3.0, 0.3
 ANY = {"bodies": ("n_bodies", 5)}
 """Shapes of inputs of any length, without the axis of the batch."""
-SCRIPTS = ("drive.py", "scans.py", "perceive.py")
-FILES = ("policy.onnx", "contract.json", "contract.schema.json", "check.npz", "README.md", *SCRIPTS)
+SCRIPTS = {"drive.py": "", "scans.py": "", "parts/perceive.py": "seen_map", "parts/shield.py": "shield"}
+"""Scripts that are copied beside the graph, and the field of a contract that asks for each."""
+FILES = (
+    *("policy.onnx", "contract.json", "contract.schema.json", "check.npz", "README.md"),
+    *(Path(place).name for place in SCRIPTS),
+)
 
 
 @dataclass(frozen=True)
@@ -94,6 +100,8 @@ def export_for_robot(
     levels: int = LEVELS,
     node: str | None = None,
     bodies: str | None = None,
+    shield: str | None = None,
+    lag: float = 0.0,
 ) -> RobotExport:
     """Write a policy as ONNX with its contract, driver, check and model card.
 
@@ -106,6 +114,8 @@ def export_for_robot(
         levels: Number of ``test`` levels that are played by both.
         node: ``ros1`` or ``ros2``: a package of it is written around the export; None for none.
         bodies: ``tracked``: the robot's own tracker gives other bodies as discs; None for policies without them.
+        shield: What the driver's shield is, such as ``stop_in_time:margin=0.02``; None for that of the task, if any.
+        lag: Time constant of the robot's drive, which the shield reckons with [s].
 
     Raises:
         IrsimGymError: The policy cannot leave, the folder holds an export, or the graph's commands differ from the
@@ -116,7 +126,7 @@ def export_for_robot(
     if not isinstance(loaded, SavedPolicy):
         raise IrsimGymError(f"'{source}' is no trained policy: behaviors plan in the simulator, and cannot leave")
     is_own, asked = asked is None, asked or _trained_in(source, loaded)
-    name = policy_names([source])[0]
+    name, guard = policy_names([source])[0], _shield_form(asked, shield, predict, lag)
     played = _played(asked, loaded, min(levels, LEVELS))
     loaded.check(played)
     network = _network(loaded)
@@ -130,19 +140,15 @@ def export_for_robot(
     if predict > 0.0:
         graph = policy_graph(network, played, name, predict=predict, period=period)
         ahead = ComparedPolicy(GraphPolicy(graph), graph)
-        results = results_of(DelayedPolicy(ahead, round(predict / own)), played, levels)
-        samples = ahead.samples
+        results, samples = _late_results(ahead, round(predict / own), played, levels), ahead.samples
     elif discs is not played:
         results = results_of(GraphPolicy(graph), played, levels)
-    elif is_own:
-        results = _known_results(loaded) or results
-    made_of = {"scenario": scenario_hash(asked), "policy": policy_digest(source) or ""}
-    model, check = _marked(graph.content, made_of), io.BytesIO()
-    np.savez_compressed(check, **dict[str, Any](samples))
-    hashes = Hashes(**made_of, onnx=_sha256(model), check=_sha256(check.getvalue()))
+    contents, hashes = _sealed(graph, samples, scenario_hash(asked), policy_digest(source) or "")
     form = {"policy": name, "predict": predict, "results": results, **_form(played, graph, samples, period)}
-    contract = RobotContract(hashes=hashes, scenario=_scenario_form(asked), **form)
-    _write(folder, contract, {"policy.onnx": model, "check.npz": check.getvalue()}, played, node)
+    if is_own and discs is played and predict == 0.0:
+        form |= _known_form(loaded)
+    contract = RobotContract(hashes=hashes, scenario=_scenario_form(asked), shield=guard, **form)
+    _write(folder, contract, contents, played, node)
     return RobotExport(contract, compared.n_commands, compared.most, graph.n_nodes, folder)
 
 
@@ -178,10 +184,30 @@ def _among_discs(played: Episodes, asked: ScenarioRequest, policy: SavedPolicy, 
 
 
 def _played(asked: ScenarioRequest, policy: SavedPolicy, n_worlds: int) -> Episodes:
-    """Return worlds for a policy without disturbances from outside and predictions: on a robot, the graph predicts."""
+    """Return worlds for a policy without disturbances from outside, predictions and shields: a robot has its own."""
     kept = {name: value for name, value in (asked.parameters or {}).items() if name != PERTURBED}
     played = Perceived(replace(asked, parameters=kept).episodes(n_worlds)).of(policy)
-    return Episodes(played.simulation, replace(played.task, predict=False)) if played.task.predict else played
+    own = replace(played.task, predict=False, shield=None)
+    return played if own == played.task else Episodes(played.simulation, own)
+
+
+def _shield_form(asked: ScenarioRequest, text: str | None, latency: float, lag: float) -> ShieldForm | None:
+    """Return what a contract says of a shield; None without one.
+
+    Raises:
+        IrsimGymError: It cannot be used, or the driver does not know it or the robot's drive.
+    """
+    shielded = {SHIELDED: text} if text else {}
+    played = replace(asked, parameters={**(asked.parameters or {}), **shielded}).episodes(1)
+    options, b = played.task.shield, played.task.agents[0]
+    if options is None:
+        return None
+    name, body = SHIELDS.name_of(type(options)), played.simulation.scenario.bodies[b]
+    drive, shape = KINEMATICS.name_of(type(body.kinematics)), FOOTPRINTS.name_of(type(body.shape))
+    if name != "stop_in_time" or drive not in AXES or not is_disc(played.simulation.model)[b]:
+        known = f"stop_in_time for discs with the drive {', '.join(AXES)}"
+        raise IrsimGymError(f"--shield: drivers know {known}; this is {name} for a {shape} with the drive {drive}")
+    return ShieldForm(name="stop_in_time", margin=options.margin, latency=latency, lag=lag)
 
 
 def _trained_in(source: str, policy: SavedPolicy) -> ScenarioRequest:
@@ -200,16 +226,18 @@ def _trained_in(source: str, policy: SavedPolicy) -> ScenarioRequest:
     raise IrsimGymError(f"the scenario of the training of {source} is not known: name it with --scenario")
 
 
-def _known_results(policy: SavedPolicy) -> Results | None:
-    """Return the results that the card of a policy has of its own scenario."""
+def _known_form(policy: SavedPolicy) -> dict[str, Any]:
+    """Return what a contract takes from a card: results in the own scenario, and the curves that hold for the graph."""
     card = policy.model.card if isinstance(policy.model, ShelfPolicy) else None
-    if card is None:
-        return None
+    if card is None or policy.perception is None:
+        return {}
+    late = ("latency", "all") if policy.perception.predict else ()  # the graph predicts by --predict alone
+    known: dict[str, Any] = {"robustness": {name: one for name, one in card.robustness.items() if name not in late}}
     own = [one for one in card.results if one.scenario is None and one.parameters == card.scenario.parameters]
-    if not own:
-        return None
-    share = own[0].success
-    return Results(success=share.value, low=share.low, high=share.high, levels=own[0].levels, split=own[0].split)
+    if own:
+        of, share = {"levels": own[0].levels, "split": own[0].split}, own[0].success
+        known["results"] = Results(success=share.value, low=share.low, high=share.high, **of)
+    return known
 
 
 def _network(policy: SavedPolicy) -> ShelfPolicy:
@@ -228,6 +256,12 @@ def results_of(policy: Policy, played: Episodes, levels: int) -> Results:
         solved += int((played.view.infos["outcome"][worlds] == Outcome.SUCCESS).all(axis=1).sum())
     share = rate(solved, levels)
     return Results(success=share.value, low=share.low, high=share.high, levels=levels, split=SPLIT)
+
+
+def _late_results(policy: Policy, n_steps: int, played: Episodes, levels: int) -> Results:
+    """Return the results of a policy whose commands act so many steps late, whatever latency the scenario has."""
+    prompt = compile(without_latency(played.simulation.scenario), played.n_worlds, agents=played.task.agents)
+    return results_of(DelayedPolicy(policy, n_steps), Episodes(prompt, played.task), levels)
 
 
 def _check_difference(compared: ComparedPolicy, name: str) -> None:
@@ -306,17 +340,18 @@ def _scenario_form(asked: ScenarioRequest) -> ScenarioForm:
     return ScenarioForm(name=asked.scenario, task=asked.task, team=asked.team, parameters=dict(asked.parameters or {}))
 
 
-def _sha256(content: bytes) -> str:
-    return hashlib.sha256(content).hexdigest()
-
-
-def _marked(content: bytes, made_of: Mapping[str, str]) -> bytes:
-    """Return a graph that holds the hashes of what it was made of."""
+def _sealed(
+    graph: PolicyGraph, samples: Mapping[str, NDArray[Any]], scenario: str, policy: str
+) -> tuple[dict[str, bytes], Hashes]:
+    """Return policy.onnx, which holds the hashes of what it was made of, check.npz, and the hashes of all."""
     from onnx import helper, load_from_string
 
-    model = load_from_string(content)
-    helper.set_model_props(model, dict(made_of))
-    return bytes(model.SerializeToString())
+    model, check = load_from_string(graph.content), io.BytesIO()
+    helper.set_model_props(model, {"scenario": scenario, "policy": policy})
+    np.savez_compressed(check, **dict[str, Any](samples))
+    contents = {"policy.onnx": bytes(model.SerializeToString()), "check.npz": check.getvalue()}
+    onnx, npz = (hashlib.sha256(content).hexdigest() for content in contents.values())
+    return contents, Hashes(scenario=scenario, policy=policy, onnx=onnx, check=npz)
 
 
 def _write(
@@ -324,10 +359,11 @@ def _write(
 ) -> None:
     for name, content in contents.items():
         write_bytes(folder / name, content)
-    for name in SCRIPTS if contract.seen_map else SCRIPTS[:2]:
-        write_bytes(folder / name, Path(__file__).with_name(name).read_bytes())
-    write_text(folder / "contract.json", contract.model_dump_json(indent=2) + "\n")
-    write_json(folder / "contract.schema.json", contract_schema())
+    for place, field in SCRIPTS.items():
+        if not field or getattr(contract, field):
+            write_bytes(folder / Path(place).name, (Path(__file__).parent / place).read_bytes())
+    write_text(folder / "contract.json", contract.model_dump_json(indent=2, by_alias=True) + "\n")
+    write_json(folder / "contract.schema.json", RobotContract.model_json_schema())
     write_text(folder / "README.md", model_card(contract, played.simulation.scenario.label))
     for place, text in package_files(contract, node).items() if node else ():
         write_text(folder / place, text)

@@ -14,8 +14,8 @@ from irsim_gym.evaluation.policies.policy import Policy
 from irsim_gym.evaluation.protocol.tables import write_text
 from irsim_gym.evaluation.requests.scenario_request import ScenarioRequest
 from irsim_gym.robot.contract import Results, RobotContract, Tested, read_export
-from irsim_gym.robot.export import results_of, scenario_hash
-from irsim_gym.robot.graph_policy import DelayedPolicy, GraphPolicy
+from irsim_gym.robot.export import SPLIT, results_of, scenario_hash
+from irsim_gym.robot.graph_policy import DelayedPolicy, GraphPolicy, without_latency
 from irsim_gym.robot.inputs import Measured, limits_of, measured, scanner_of
 from irsim_gym.robot.policy_graph import PolicyGraph
 from irsim_gym.robot.scans import as_beams
@@ -28,6 +28,7 @@ from irsim_gym.tasks import Episodes
 LEVELS = 200
 MOST_LOST = 0.02
 """Greatest share of levels that another robot may solve less."""
+UNPLAYED = Results(success=0.0, low=0.0, high=1.0, levels=0, split=SPLIT)
 SCANNER = {"beams": "beams", "range": "range_max", "fov": "field_of_view"}
 MOUNT = {"x": "x", "y": "y", "turn": "turn"}
 Values = Mapping[str, float]
@@ -50,18 +51,12 @@ class Variant:
     name: str
     values: Values
     body: BodySpec | None = None
-    results: Results | None = None
+    results: Results = UNPLAYED
     fits: bool = False
-
-    @property
-    def share(self) -> float:
-        """Share of the levels that the policy solves."""
-        return self.results.success if self.results is not None else 0.0
 
     @property
     def cells(self) -> tuple[str, str, str]:
         """What it differs in, the success with its interval [%], and whether it fits."""
-        assert self.results is not None, "it has been played"
         success, low, high = (100.0 * share for share in (self.results.success, self.results.low, self.results.high))
         return self.name, f"{success:.1f} [{low:.1f}, {high:.1f}]", "yes" if self.fits else "no"
 
@@ -91,9 +86,9 @@ def fit(folder: Path, variants: Sequence[Variant], levels: int = LEVELS) -> list
     played: list[Variant] = []
     for variant in (Variant("as in the contract", {}), *(variants or usual(own))):
         one = _played(contract, graph, asked, replace(variant, values={**own, **variant.values}), levels)
-        least = played[0].share - MOST_LOST if played else 0.0
-        played.append(replace(one, fits=one.share >= least - 1e-9))
-    write_text(folder / "contract.json", widened(contract, played).model_dump_json(indent=2) + "\n")
+        least = played[0].results.success - MOST_LOST if played else 0.0
+        played.append(replace(one, fits=one.results.success >= least - 1e-9))
+    write_text(folder / "contract.json", widened(contract, played).model_dump_json(indent=2, by_alias=True) + "\n")
     return played
 
 
@@ -185,7 +180,8 @@ def _played(
     """Return another robot with the results of the policy, which drives it as the driver does."""
     before = asked.episodes(1)
     step, period = float(before.simulation.model.step_time[0]), variant.values["period"]
-    scenario = _changed(asked.load(warn=False), before, variant)
+    loaded = asked.load(warn=False)
+    scenario = _changed(without_latency(loaded) if contract.predict else loaded, before, variant)
     played = replace(asked, scenario=scenario, parameters=None).episodes(levels)
     if variant.body is not None and played.n_discrete:
         raise IrsimGymError(f"{contract.policy} chooses between commands: only those of its own robot are known")

@@ -1,18 +1,20 @@
 """An exported graph as a policy in the simulator, and beside the policy that it was made of."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from irsim_gym.base.arraytypes import Floats, Ints
+from irsim_gym.base.families import DISTURBANCES
 from irsim_gym.evaluation.policies.perception import Perception
 from irsim_gym.evaluation.policies.policy import Policy, by_agent
 from irsim_gym.robot.inputs import Measured, limits_of, measured
-from irsim_gym.robot.perceive import SeenMap
+from irsim_gym.robot.parts.perceive import SeenMap
 from irsim_gym.robot.policy_graph import PolicyGraph
+from irsim_gym.scenario import Scenario
 from irsim_gym.tasks import Episodes, Outcome
 
 
@@ -142,6 +144,15 @@ class DelayedPolicy:
         for w, action in zip(worlds.tolist(), new, strict=True):
             self._queue[w].append(action)
         return np.array([self._queue[w].pop(0) for w in worlds.tolist()])
+
+
+def without_latency(scenario: Scenario) -> Scenario:
+    """Return a scenario whose commands act at once, to be played by a policy that is delayed itself."""
+    kind = DISTURBANCES.entry("latency").kind
+    lists = [scenario.disturbances, *(body.disturbances for body in scenario.bodies)]
+    own, *rests = (tuple(one for one in some if not isinstance(one, kind)) for some in lists)
+    bodies = (replace(body, disturbances=rest) for body, rest in zip(scenario.bodies, rests, strict=True))
+    return replace(scenario, bodies=tuple(bodies), disturbances=own)
 
 
 @dataclass

@@ -158,4 +158,4 @@ def robot_values(graph: Graph, episodes: Episodes, action: Value, agent: int = 0
 
 def cleaned(ranges: Value, shortest: float, farthest: float) -> Value:
     """Return raw ranges as the simulator reports them: +inf and NaN as no return, -inf and less as the shortest."""
-    return (~ranges.is_nan()).where(ranges, farthest).most(shortest).least(farthest)
+    return (~ranges.is_nan()).where(ranges, farthest).between(shortest, farthest)

@@ -3,11 +3,13 @@
 from pathlib import Path
 from textwrap import fill
 
+from irsim_gym.evaluation.saved_policies.shelf_tables import curves_text
 from irsim_gym.robot.contract import RobotContract
 from irsim_gym.tasks.terms.term import NEEDS
 
 WIDTH = 120
 PERCEIVE = "| `perceive.py` | `SeenMap`, which the driver keeps: a map of the scans, and the way on it; NumPy alone |\n"
+SHIELD = "| `shield.py` | `Shield`, for the driver: slows a robot until it can stop before what its scan shows |\n"
 CARD = Path(__file__).with_suffix(".md")
 """The text of a card, with the names of what is filled in."""
 MAP_CHECK = Path(__file__).with_name("map_check.py.txt")
@@ -28,6 +30,7 @@ def model_card(contract: RobotContract, scenario: str) -> str:
         f"A policy of irsim_gym {contract.irsim_gym} for a robot with the drive `{contract.robot.drive}`.",
         f"It solves {success} of `{scenario}`, with the 95 % interval in brackets.",
         *([f"The graph predicts {contract.predict:g} s ahead."] if contract.predict else []),
+        *([f"It loses 5 points at: {curves_text(contract.robustness)}."] if contract.robustness else []),
     ]
     needs = [
         f"It needs {', '.join(f'`{need}` ({NEEDS[need]})' for need in contract.needs) or 'nothing'}.",
@@ -47,7 +50,7 @@ def model_card(contract: RobotContract, scenario: str) -> str:
             "`seen_map.origin` in contract.json so that the robot and its goals lie on it."
         )
     return CARD.read_text(encoding="utf-8").format(
-        perceive=PERCEIVE if grid else "",
+        parts=(PERCEIVE if grid else "") + (SHIELD if contract.shield else ""),
         seen="\n" + MAP_CHECK.read_text(encoding="utf-8") if grid else "",
         name=contract.policy,
         scenario=scenario,

@@ -36,7 +36,7 @@ def network_graph(policy: ShelfPolicy, graph: Graph, seen: Mapping[str, Value]) 
     low, high = policy.action_space.low.astype(np.float64), policy.action_space.high.astype(np.float64)
     if policy.output == "squash":
         found = (found.op("Tanh") + 1.0) * (0.5 * (high - low)) + low
-    return found.most(low).least(high)
+    return found.between(low, high)
 
 
 def _applied(steps: Sequence[Options], arrays: Sequence[Arrays], seen: Value) -> Value:
@@ -55,6 +55,7 @@ def _stored(value: Value, array: Floats) -> Value:
 
 
 def _dense(rows: Value, weight: Floats, bias: Floats) -> Value:
+    # As Gemm before an activation, onnxruntime 1.17 fuses it to an operator that it lacks for float64.
     return rows.times(_stored(rows, weight.T.copy())) + _stored(rows, bias)
 
 
@@ -71,7 +72,7 @@ def _gru(rows: Value, memory: Value, arrays: Arrays) -> Value:
 
 def _standardized(rows: Value, arrays: Arrays, step: Options) -> Value:
     scaled: Value = (rows - arrays["mean"]) / np.sqrt(arrays["var"] + step["epsilon"])
-    return scaled.most(-step["clip"]).least(step["clip"]).cast(np.float32).cast(np.float64)
+    return scaled.between(-step["clip"], step["clip"]).cast(np.float32).cast(np.float64)
 
 
 def _gelu(rows: Value, arrays: Arrays, step: Options) -> Value:

@@ -71,7 +71,7 @@ def policy_graph(
     if predict > 0.0:
         robot, pending = predicted(robot, episodes, pending_spans(predict, period or float(model.step_time[0])))
     action = _action(network_graph(policy, graph, _seen(episodes, robot)), episodes)
-    command = action.cast(np.float64) * half + middle
+    command = action * half + middle
     if model.drive[b] == OMNI_WORLD and episodes.task.action.frame == "command":
         heading = measured.pose.columns(2, 3)
         cosine, sine, x, y = heading.op("Cos"), heading.op("Sin"), command.columns(0, 1), command.columns(1, 2)
@@ -79,7 +79,7 @@ def policy_graph(
     if predict > 0.0:
         n_pending = len(graph.starts["pending"])
         graph.keep("pending", graph.join([pending.columns(1, n_pending), command.spread(1)]))
-    graph.keep("action", action)
+    graph.keep("action", action.cast(np.float32))
     graph.output("command", command.cast(np.float32), len(low))
     found = graph.model(name)
     return PolicyGraph(found.SerializeToString(), graph.starts, len(found.graph.node), perceived_by(episodes))
@@ -126,8 +126,8 @@ def _seen(episodes: Episodes, robot: RobotValues) -> dict[str, Value]:
 
 
 def _action(found: Value, episodes: Episodes) -> Value:
-    """Return the action in [-1, 1], float32."""
+    """Return the action in [-1, 1], float64."""
     if not episodes.n_discrete:
-        return found.most(-1.0).least(1.0).cast(np.float32)
-    grid = found.graph.constant(episodes.terms["action"][0].arrays["grid"][0].astype(np.float32))
-    return found.graph.op("Gather", [grid, found], np.float32, axis=0)
+        return found.between(-1.0, 1.0)
+    grid = found.graph.constant(episodes.terms["action"][0].arrays["grid"][0])
+    return found.graph.op("Gather", [grid, found], np.float64, axis=0)

@@ -37,34 +37,34 @@ def predicted(
     graph, model, b = robot.graph, episodes.simulation.model, episodes.task.agents[agent]
     size = int(episodes.action_sizes[agent])
     pending, limits = graph.state("pending", np.zeros((len(spans), size))), model.acceleration_limit[0, b, :size]
-    velocity, turn = robot.velocity, robot.pose.columns(2, 3) * 0.0
-    x = y = turn
-    for k, span in enumerate(spans):
-        change = pending.take(np.array(k)) - velocity
-        velocity = velocity + change.most(-limits * span).least(limits * span)
-        ahead, left, rate = _twist(velocity, episodes, b)
-        middle = turn + rate * (0.5 * span)
-        cosine, sine = middle.op("Cos"), middle.op("Sin")
-        x, y = x + (ahead * cosine - left * sine) * span, y + (ahead * sine + left * cosine) * span
-        turn = turn + rate * span
+    velocities = [pending.columns(k, k + 1) for k in range(len(spans))]
+    for k, span in enumerate(spans) if np.isfinite(limits).any() else ():
+        before = velocities[k - 1] if k > 0 else robot.velocity.spread(1)
+        velocities[k] = before + (velocities[k] - before).between(-limits * span, limits * span)
+    ahead, left, rate = _twist(graph.join(velocities), episodes, b)
+    spent = np.array(spans)[:, None]
+    turn, middle = rate.times(spent), rate.times(spent * (np.tri(len(spans)).T - 0.5 * np.eye(len(spans))))
+    cosine, sine = middle.op("Cos"), middle.op("Sin")
+    x, y = (ahead * cosine - left * sine).times(spent), (ahead * sine + left * cosine).times(spent)
     heading = robot.pose.columns(2, 3)
     cosine, sine = heading.op("Cos"), heading.op("Sin")
     pose = robot.pose + graph.join([cosine * x - sine * y, sine * x + cosine * y, turn])
     ranges = _ranges_from(robot, episodes, (x, y, turn), agent)
-    return replace(robot, ranges=ranges, pose=pose, velocity=velocity), pending
+    return replace(robot, ranges=ranges, pose=pose, velocity=velocities[-1].op("Flatten")), pending
 
 
-def _twist(velocity: Value, episodes: Episodes, body: int) -> tuple[Value, Value, Value]:
-    """Return the velocity in the body frame: ahead, to the left, and the turn rate."""
-    drive, first, second = episodes.simulation.model.drive[body], velocity.columns(0, 1), velocity.columns(1, 2)
+def _twist(velocities: Value, episodes: Episodes, body: int) -> tuple[Value, Value, Value]:
+    """Return velocities ``(batch, n, n_components)`` in the body frame: ahead, to the left, and the turn rate."""
+    drive, first, second = episodes.simulation.model.drive[body], velocities.part(0), velocities.part(1)
+    nothing = first * 0.0
     if drive == DIFFERENTIAL:
-        return first, first * 0.0, second
+        return first, nothing, second
     if drive == ACKERMANN:
         if steers(episodes.simulation, body):
             slope = second.op("Sin") / second.op("Cos")
-            second = first * slope / float(episodes.simulation.model.wheelbase[body])
-        return first, first * 0.0, second
-    return first, second, velocity.columns(2, 3) if drive == OMNI_ANGULAR else first * 0.0
+            return first, nothing, first * slope / float(episodes.simulation.model.wheelbase[body])
+        return first, nothing, first.equals(0.0).where(nothing, second)  # a car that stands cannot turn
+    return first, second, velocities.part(2) if drive == OMNI_ANGULAR else nothing
 
 
 def _ranges_from(robot: RobotValues, episodes: Episodes, moved: tuple[Value, Value, Value], agent: int) -> Value:
@@ -84,12 +84,11 @@ def _ranges_from(robot: RobotValues, episodes: Episodes, moved: tuple[Value, Val
     ahead, left = cosine * at_x + sine * at_y - mount_x, cosine * at_y - sine * at_x - mount_y
     length = (robot.ranges < far).where((ahead * ahead + left * left).op("Sqrt"), far)
     within = between_edges(ahead, left, _edges(angles) + mount_turn)
-    found = within.where(length.spread(2), far).smallest(1).most(options.range_min).least(far)
+    nearest = within.where(length.spread(1), np.inf).smallest(2)
+    found, order = nearest.between(options.range_min, far), np.arange(len(angles))
     # A beam between two points that have moved apart reads what its neighbours do.
-    is_covered = within.cast(np.float32).largest(1) > 0.5
-    order = np.arange(len(angles))
     beside = found.take(np.maximum(order - 1, 0)).least(found.take(np.minimum(order + 1, len(angles) - 1)))
-    return is_covered.where(found, beside)
+    return (nearest < np.inf).where(found, beside)
 
 
 def _edges(angles: Floats) -> Floats:

@@ -1,10 +1,66 @@
-"""Scans of any scanner as the contract's scanner would read them, poses and stamps; for the driver, by NumPy alone."""
+"""For the driver, by NumPy alone: scans as the contract's scanner would read them, poses, stamps, broken contracts."""
 
 from __future__ import annotations
 
+import json
+from pathlib import Path
 from typing import Any
 
 import numpy as np
+
+NUMBERS = {"integer": int, "number": (int, float)}
+TYPES: dict[str, Any] = {"object": dict, "array": list, "string": str, "boolean": bool, "null": type(None), **NUMBERS}
+
+
+def read_contract(file: Path) -> Any:
+    """Return a contract; a ValueError says what is wrong with it, by the schema beside it."""
+    try:
+        contract = json.loads(file.read_text(encoding="utf-8"))
+    except ValueError as problem:
+        raise ValueError(f"{file} is not JSON: {problem}") from None
+    schema = json.loads(file.with_suffix(".schema.json").read_text(encoding="utf-8"))
+    if said := fault(contract, schema, schema["$defs"]):
+        raise ValueError(f"{file}: {said}")
+    return contract
+
+
+def differing(session: Any, contract: Any) -> list[str]:
+    """Return the inputs, and the outputs for states, that a graph or its contract alone has."""
+    taken, returned = ({one.name for one in every} for every in (session.get_inputs(), session.get_outputs()))
+    states = {f"{name}_next" for name in contract["states"]}
+    return sorted((taken ^ set(contract["inputs"])) | (returned ^ states) - {"command"})
+
+
+def fault(found: Any, form: dict[str, Any], forms: dict[str, Any], key: str = "") -> str:
+    """Return what is wrong with JSON data by their schema: key, what was found, what would be right; empty if nothing.
+
+    Other forms are the schema's "$defs".
+    """
+    about = form.get("description", "")
+    if "anyOf" in form:
+        said = [fault(found, {"description": about, **one}, forms, key) for one in form["anyOf"]]
+        return "" if "" in said else said[0]
+    right = forms[form["$ref"].split("/")[-1]] if "$ref" in form else form
+    kind, known = right.get("type"), {**right.get("properties", {})}
+    allowed = right.get("enum", [right.get("const", found)])
+    is_kind = kind is None or (isinstance(found, TYPES[kind]) and isinstance(found, bool) == (kind == "boolean"))
+    if not is_kind or found not in allowed:
+        good = " or ".join(map(json.dumps, allowed)) if is_kind else kind
+        return f"{key or 'the contract'} is {json.dumps(found)}: it must be {good}. {about}"
+    if kind == "object":
+        known = {**dict.fromkeys(found, right.get("additionalProperties")), **known}
+    elif kind == "array":
+        known = dict(enumerate(right.get("prefixItems", [right.get("items")] * len(found))))
+        if len(found) > len(known):
+            return f"{key} has {len(found)} items: it must have {len(known)}. {about}"
+        found = dict(enumerate(found))
+    for name, inner in known.items():
+        place = f"{key}.{name}".lstrip(".")
+        if name not in found and name in right.get("required", known):
+            return f"{place} is missing. {inner.get('description', '')}"
+        if isinstance(inner, dict) and name in found and (wrong := fault(found[name], inner, forms, place)):
+            return wrong
+    return ""
 
 
 def as_beams(ranges: Any, angles: tuple[float, float], mount: Any, own: dict[str, Any]) -> Any:

@@ -12,7 +12,8 @@ if TYPE_CHECKING:
     from irsim_gym.scenario.reading.load import load_scenario
     from irsim_gym.scenario.specs.gui_spec import GuiSpec
     from irsim_gym.scenario.specs.library import configs_folder, find
-    from irsim_gym.scenario.specs.spec import BodySpec, PlacementSpec, Scenario, WorldSpec
+    from irsim_gym.scenario.specs.spec import BodySpec, PlacementSpec, Scenario
+    from irsim_gym.scenario.specs.world_spec import WorldSpec
     from irsim_gym.scenario.text.source import MissingFileError
 
 __all__ = ["BodySpec", "GuiSpec", "MissingFileError", "PlacementSpec", "Scenario", "WorldSpec", "configs_folder"]
@@ -23,6 +24,7 @@ _HOMES = {
     "GuiSpec": "specs.gui_spec",
     "configs_folder": "specs.library",
     "find": "specs.library",
+    "WorldSpec": "specs.world_spec",
 } | {"load_scenario": "reading.load"}
 
 

@@ -63,6 +63,27 @@ def map_by_level(obstacle_map: dict[str, Any]) -> dict[str, Any]:
     return {"world": {**SHORT, "obstacle_map": obstacle_map, "fog_map": True}, "robot": [there, anywhere]}
 
 
+MASS = {"mass": 1, "friction": 0.1, "velocity": [1, 0.5, 2]}
+
+
+def pushing(obstacle_map: dict[str, Any]) -> dict[str, Any]:
+    """Return a scenario with many bodies of all shapes that push each other."""
+    parts = [{"name": "rectangle", "length": 0.2, "width": 0.6}, {"name": "rectangle", "length": 0.6, "width": 0.2}]
+    corner = [[0, 0], [0.6, 0], [0.6, 0.2], [0.2, 0.2], [0.2, 0.6], [0, 0.6]]
+    shapes = [
+        *({"name": name, "random_shape": True} for name in ("circle", "rectangle", "linestring")),
+        {"name": "polygon", "random_shape": True, "is_convex": True, "avg_radius_range": [0.2, 0.3]},
+        {"name": "compound", "parts": parts},
+        {"name": "polygon", "vertices": corner},
+    ]
+    return {
+        "world": {**SHORT, "collision_mode": "contact", "restitution": 0.5, "obstacle_map": obstacle_map},
+        "robot": {**leaving(3, ["dash"])[0], "sensors": [{"name": "contact2d"}]},
+        "obstacle": [{**MASS, "shape": one, "state": [1 + k, 3]} for k, one in enumerate(shapes)],
+        "task": GOES_ON,
+    }
+
+
 PERLIN = {"name": "perlin", "resolution": 1, "fill": 0.1, "seed": 2}
 ONE_BEAM = [{"name": "lidar2d", "number": 1}]
 LOOP = {"name": "dash", "loop": True}
@@ -101,6 +122,9 @@ BY_HAND: dict[str, dict[str, Any]] = {
         ],
         "task": GOES_ON,
     },
+    "bodies that push": pushing({"name": "perlin", "resolution": 1, "fill": 0.1, "seed": 2}),
+    "bodies that push, on a map of discs by level": pushing({"name": "cells", "fill": [0.05, 0.1], "disc_radius": 0.3}),
+    "bodies that coast": {"obstacle": {**MASS, "number": 3, "distribution": {"name": "random"}}},
     "crowd that dashes": crowd("behavior", "dash"),
     "crowd that avoids": crowd("behavior", "rvo"),
     "crowd of forces": crowd("behavior", "sfm"),

@@ -167,7 +167,6 @@ def test_a_pickle_holds_the_name_of_a_kind_that_is_made_from_a_function() -> Non
             pickle.loads(content)
 
 
-@pytest.mark.usefixtures("played_here")
 @pytest.mark.parametrize("weight", [1.0, 3.0])
 @pytest.mark.parametrize(
     ("answer", "said"),

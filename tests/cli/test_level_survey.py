@@ -136,7 +136,6 @@ def test_goals_farther_away_than_the_world_is_large() -> None:
 IDLE = "1 of 2 robots learns; robot_1 has no behavior and stands still"
 
 
-@pytest.mark.usefixtures("played_here")
 def test_check_and_make_tell_which_robots_nobody_drives(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

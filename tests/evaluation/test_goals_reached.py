@@ -54,6 +54,7 @@ def test_who_does_not_is_measured_by_the_time_limit() -> None:
     assert [agent.episode.outcome for agent in row.agents] == ["success", "collision"]
     assert [agent.episode.goals_reached for agent in row.agents] == [3.0, 2.0]
     assert row.agents[1].episode.goals_per_minute == pytest.approx(60 * 2 / (0.1 * LIMIT))
+    assert summarize_team("dash", [row]).goals_per_collision == 5.0
     late = driven(scenario(limit=20))
     assert [agent.episode.outcome for agent in late.agents] == ["timeout", "timeout"]
     assert [agent.episode.goals_reached for agent in late.agents] == [1.0, 1.0]

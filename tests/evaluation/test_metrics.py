@@ -57,7 +57,7 @@ def test_summary_of_a_handful() -> None:
     summary = summarize("some", rows)
     assert summary.episodes == 5
     assert (summary.success.count, summary.success.value) == (2, 0.4)
-    assert summary.collision.count == 2
+    assert (summary.collision.count, summary.goals_per_collision) == (2, 1.0)
     assert {hit: share.count for hit, share in summary.collision_with.items()} == {
         "obstacle": 1,
         "moving obstacle": 1,

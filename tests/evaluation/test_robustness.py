@@ -12,38 +12,25 @@ from pathlib import Path
 
 import pytest
 from command_line import run
+from robustness_rows import ROOM, made, result
 from test_readme import DOCS, blocks, commands
 
 import irsim_gym
 from irsim_gym.base.families import DISTURBANCES
 from irsim_gym.base.options import drawn_ends
 from irsim_gym.errors import IrsimGymError, UnknownNameError
-from irsim_gym.evaluation import Robustness, StrengthRow, robustness
+from irsim_gym.evaluation import robustness
 from irsim_gym.evaluation.curves import robustness as module
-from irsim_gym.evaluation.curves.factors import Factor, chosen_factors, every_factor
-from irsim_gym.evaluation.measures.metrics import rate
+from irsim_gym.evaluation.curves.factors import Factor, chosen_factors, disturbed, every_factor
 from irsim_gym.evaluation.saved_policies.shelf import shelf_files
 from irsim_gym.rendering.figures.strengths_plot import draw_strengths
 from irsim_gym.scenario.reading.perturbations import read_perturbations
 
-ROOM = "cluttered_room"
 BLIND = {
     "world": {"height": 8, "width": 8, "name": "bare"},
     "robot": {"kinematics": {"name": "diff"}, "state": [1, 1, 0.8], "goal": [5, 5]},
     "task": {"name": "navigation"},
 }
-
-
-def made(policy: str, *successes: int, of: int = 100) -> list[StrengthRow]:
-    """Return rows of a policy with latencies of 0, 0.2, 0.4 s and so on."""
-    none = rate(0, of)
-    factors = ("undisturbed", *["latency"] * (len(successes) - 1))
-    named = [(factor, 0.2 * k, "s", "", 0.0, policy) for k, factor in enumerate(factors)]
-    return [StrengthRow(*row, rate(count, of), none) for row, count in zip(named, successes, strict=True)]
-
-
-def result(*rows: StrengthRow) -> Robustness:
-    return Robustness({"scenario": ROOM, "levels": 100, "split": "test"}, list(rows))
 
 
 @pytest.fixture
@@ -214,11 +201,11 @@ def test_functions_are_never_taken_for_those_of_before(tmp_path: Path) -> None:
 def test_noise_is_added_to_that_of_the_sensor() -> None:
     """Deviations of 3 and 4 cm make one of 5 cm."""
     base = irsim_gym.load_scenario(ROOM)
-    (plain,) = module._disturbed(base, (0,), (), 0.04).bodies[0].sensors
+    (plain,) = disturbed(base, (0,), "", 0.04).bodies[0].sensors
     assert (plain.noise, plain.std, plain.angle_std) == (True, 0.04, 0.0)
     noisy = replace(base.bodies[0].sensors[0], noise=True, std=0.03, angle_std=0.01)
     own = replace(base, bodies=(replace(base.bodies[0], sensors=(noisy,)), *base.bodies[1:]))
-    (both,) = module._disturbed(own, (0,), (), 0.04).bodies[0].sensors
+    (both,) = disturbed(own, (0,), "", 0.04).bodies[0].sensors
     assert (both.noise, both.std, both.angle_std) == (True, pytest.approx(0.05), 0.01)
 
 

@@ -16,19 +16,24 @@ from typing import Any
 import numpy as np
 import pytest
 from command_line import run
+from pydantic import TypeAdapter
+from robustness_rows import made
 
 import irsim_gym
 from irsim_gym.envs.parts.spaces import observation_layout
 from irsim_gym.errors import IrsimGymError, UnknownNameError
+from irsim_gym.evaluation import Robustness
 from irsim_gym.evaluation.byte_planes import from_planes
 from irsim_gym.evaluation.comparison.evaluate import evaluate_policies
+from irsim_gym.evaluation.curves.factors import chosen_factors
 from irsim_gym.evaluation.policies.perception import perceived_task, perception_of
 from irsim_gym.evaluation.policies.policy import percepts
 from irsim_gym.evaluation.policies.reference_policies import policy_kinds
+from irsim_gym.evaluation.protocol.tables import plain
 from irsim_gym.evaluation.requests.episode_setup import make_episodes
 from irsim_gym.evaluation.requests.remembered import changes_since, remembered_parameters
 from irsim_gym.evaluation.requests.scenario_request import ScenarioRequest
-from irsim_gym.evaluation.saved_policies.cards import CardResult, PolicyCard, card_file
+from irsim_gym.evaluation.saved_policies.cards import CURVES, CardResult, PolicyCard, card_file
 from irsim_gym.evaluation.saved_policies.checkpoint_files import list_checkpoints, load_progress
 from irsim_gym.evaluation.saved_policies.policies import (
     SavedPolicy,
@@ -38,6 +43,7 @@ from irsim_gym.evaluation.saved_policies.policies import (
     policy_names,
 )
 from irsim_gym.evaluation.saved_policies.shelf import ShelfPolicy, card_of, shelf_file, shelf_files
+from irsim_gym.evaluation.saved_policies.shelf_tables import curves_text
 from irsim_gym.evaluation.saved_policies.snapshot import take_snapshot
 from irsim_gym.scenario import load_scenario
 from irsim_gym.tasks import load_task
@@ -110,6 +116,56 @@ def test_a_card_belongs_to_its_policy_and_its_scenario(name: str) -> None:
     # Options that are newer than the file have their defaults.
     assert perception_of(perceived_task(scenario, task, policy.perception)) == perception_of(task)
     assert name not in policy_kinds()
+
+
+@pytest.mark.parametrize("file", sorted((AGENTS / "shelf" / CURVES).glob("*.json")), ids=lambda file: file.stem)
+def test_curves_are_of_policies_and_factors_as_they_are(file: Path) -> None:
+    record = TypeAdapter(Robustness).validate_python(json.loads(file.read_text()))
+    for factor in chosen_factors(list(record.factors)):
+        assert record.played[f"factor {factor.name}"] == f"{'; '.join(factor.perturb)}, noise {factor.noise:g}"
+    lost = json.loads(file.read_text())["lost_5_points_at"]
+    for name in record.policies:
+        assert record.played[f"policy {name}"] == card(name).sha256
+        assert "latency" in record.factors
+        for factor, unit in record.factors.items():
+            curve = card(name).robustness[factor]
+            assert (curve.unit, curve.played_to) == (unit, record.curve(factor, name)[-1].strength)
+            assert curve.lost_at == lost[name][factor] == plain(record.lost_at(factor, name))
+
+
+def test_a_card_is_completed_with_the_curves_of_its_own_policy(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    for file in (shelf_file("cluttered_room"), card_file(shelf_file("cluttered_room"))):
+        shutil.copy(file, tmp_path)
+    policy = tmp_path / "cluttered_room.npz"
+
+    def curves(file: str, scenario: str, digest: str, *shares: int) -> Any:
+        rows = [*made("mine", *shares), *made("none", 3, 0)]
+        played = {"scenario": scenario, "levels": 100, "split": "test", "policy none": "0", "policy mine": digest}
+        Robustness(played, rows).write(tmp_path)
+        (tmp_path / CURVES).mkdir(exist_ok=True)
+        (tmp_path / "robustness.json").rename(tmp_path / CURVES / file)
+        found = card_of(policy)
+        assert found is not None
+        return found.robustness
+
+    own = card("cluttered_room").sha256
+    assert curves("a.json", "cluttered_room", "another", 99, 97, 82) == {}
+    assert curves("a.json", "dense_room", own, 99, 97, 82) == {}
+    assert curves("a.json", "cluttered_room (disturbances = 'slip')", own, 99, 97, 82) == {}
+    assert curves("a.json", "cluttered_room", own, 3, 0) == {}  # no 5 points to lose
+    assert curves_text(curves("a.json", "cluttered_room", own, 99, 97, 99)) == "latency > 0.4 s"
+    assert curves_text(curves("b.json", "cluttered_room (n = 3)", own, 99, 97, 82)) == "latency 0.24 s"
+    assert run(monkeypatch, "policies", "show", policy) == 0
+    assert "5 points of success are lost at: latency 0.24 s\n" in capsys.readouterr().out
+    assert run(monkeypatch, "policies", "show", policy, "--json") == 0
+    shown = json.loads(capsys.readouterr().out)["robustness"]["latency"]
+    levels = {"unit": "s", "played_to": 0.4, "levels": 100, "split": "test"}
+    assert shown == {"5 points lost at": pytest.approx(0.24), **levels}
+    (tmp_path / CURVES / "b.json").write_text("{}")
+    with pytest.raises(IrsimGymError, match=r"b\.json is no record of robustness: .*played"):
+        card_of(policy)
 
 
 @pytest.mark.parametrize("name", ORIGINALS)

@@ -45,7 +45,7 @@ def test_json_says_null_for_what_is_not_a_number(tmp_path: Path) -> None:
     data = json.loads((tmp_path / "summary.json").read_text())
     assert data["rows"][0]["time"] is None
     assert (data["n"], data["x"]) == (3, None)
-    assert data["rows"][0]["collision"]["count"] == 1
+    assert (data["rows"][0]["collision"]["count"], data["rows"][0]["goals_per_collision"]) == (1, 0.0)
     assert plain(Path("a")) == "a"
 
 
@@ -77,21 +77,21 @@ def test_copies_of_one_episode_have_no_interval() -> None:
 
 def test_a_legend_explains_the_columns_that_are_shown() -> None:
     lines = legend([summary_table([summarize("dash", ROWS)], "set 12ab")], [])
-    assert [line.split(":")[0] for line in lines.splitlines()] == ["left", "SPL", "path ratio", "clear.", "set"]
+    assert [line.split(":")[0] for line in lines.splitlines()] == ["SPL", "path ratio", "clear.", "goals /hit", "set"]
 
 
 def test_table_shows_the_split_of_collisions_only_where_there_is_one() -> None:
     text = table_text(summary_table([summarize("dash", ROWS)], "cluttered_room"))
     assert text.splitlines()[0] == "cluttered_room"
     assert "with obstacle" not in text
-    # 1 of 2, SPL 0.8 / 2, clearance 0.25 / 2
-    cells = ["dash", "50.0", "9.5-90.5", "50.0", "0.0", "0.0", "0.400", "2.00", "1.250", "0.125"]
+    # 1 of 2, 1 goal for 1 collision, SPL 0.8 / 2, clearance 0.25 / 2
+    cells = ["dash", "50.0", "9.5-90.5", "50.0", "1.0", "0.0", "0.400", "2.00", "1.250", "0.125"]
     assert cells in [line.split() for line in text.splitlines()]
     assert "[s]" in text
     assert max(map(len, text.splitlines())) <= 80
     moving = EpisodeRow(2, "collision", "moving obstacle", 7, 0.7, 1.0, 2.0, 0.0)
     heads = [str(column.header) for column in summary_table([summarize("dash", [*ROWS, moving])], "t").columns]
-    assert heads[3:6] == ["collision\n[%]", "with obstacle\n[%]", "with moving obstacle\n[%]"]
+    assert heads[3:6] == ["collided\n[%]", "with obstacle\n[%]", "with moving obstacle\n[%]"]
 
 
 def test_titles_and_names_that_look_like_markup_are_text() -> None:

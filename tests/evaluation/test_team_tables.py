@@ -52,7 +52,7 @@ def test_a_row_for_each_level(tmp_path: Path) -> None:
 
 def test_the_legend_of_a_team() -> None:
     lines = legend([summary_table(summarize_teams({"rvo": ROWS}), "swap")]).splitlines()
-    names = ["CSR", "ISR", "left", "deadlocked", "SPL", "makespan", "flowtime", "extra time", "clear."]
+    names = ["CSR", "ISR", "deadlocked", "SPL", "makespan", "flowtime", "extra time", "clear.", "goals /hit"]
     assert [line.split(":")[0] for line in lines] == names
 
 
@@ -68,8 +68,8 @@ def test_table() -> None:
     text = table_text(summary_table([summarize_team("rvo", ROWS)], "swap"))
     assert text.splitlines()[0] == "swap"
     row = next(line.split() for line in text.splitlines() if "rvo" in line)
-    # CSR 1 of 2; ISR 3 of 4; one collision of four; SPL (3 * 4/5) / 4; makespan (4 + 20) / 2; flowtime (7 + 25) / 2.
-    assert [row[1], row[3], row[5]] == ["50.0", "75.0", "25.0"]
+    # CSR 1 of 2; ISR 3 of 4; one collision of four, 3 goals; SPL (3 * 4/5) / 4; makespan (4 + 20) / 2; flowtime 32 / 2.
+    assert [row[1], row[3], row[5], row[6]] == ["50.0", "75.0", "25.0", "3.0"]
     assert row[-5:] == ["0.600", "12.0", "16.0", "2.0/2.5/2.8", "0.250"]
     assert "with map" not in text
     assert max(map(len, text.splitlines())) <= 120

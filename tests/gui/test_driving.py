@@ -13,6 +13,7 @@ import pytest
 from screen import Screen
 
 import irsim_gym
+from irsim_gym.errors import NoKeyboardWarning
 from irsim_gym.live.world import World
 
 ROBOT = {"kinematics": {"name": "diff"}, "shape": {"name": "circle", "radius": 0.2}, "vel_max": [2, 2]}
@@ -24,9 +25,9 @@ def make(screen: Screen, request: pytest.FixtureRequest) -> Iterator[Make]:
     """Return a function that loads a world of 10 x 10 m with two robots and shows it; its title is that of the test."""
     made: list[World] = []
 
-    def show(backend: str = "mpl", robots: Any = None, **sections: Any) -> World:
+    def show(robots: Any = None, **sections: Any) -> World:
         title = request.node.name
-        keyboard = {"backend": backend, "key_lv_max": 1.0, "key_ang_max": 1.5, **sections.pop("keyboard", {})}
+        keyboard = {"key_lv_max": 1.0, "key_ang_max": 1.5, **sections.pop("keyboard", {})}
         world = {
             "name": title,
             "control_mode": "keyboard",
@@ -65,12 +66,10 @@ def steps(here: World, count: int) -> None:
         here.render(0.005)
 
 
-@pytest.mark.parametrize("backend", ["mpl", "pynput"])
-def test_keys_drive_while_they_are_held(backend: str, make: Make, screen: Screen, kept_picture) -> None:
-    here = make(backend)
+def test_keys_drive_while_they_are_held(make: Make, screen: Screen, kept_picture) -> None:
+    here = make()
     robot, other = here.robots
     assert here._viewer.driver is not None
-    assert here._viewer.driver.keyboard.backend == backend
     steps(here, 3)
     assert here.status == "Running (keyboard)"
     assert robot.state.tolist() == [3, 3, 0]
@@ -96,9 +95,8 @@ def test_keys_drive_while_they_are_held(backend: str, make: Make, screen: Screen
     assert other.state.tolist() == [3, 7, 0]
 
 
-@pytest.mark.parametrize("backend", ["mpl", "pynput"])
-def test_keys_choose_the_robot_and_the_speeds(backend: str, make: Make, screen: Screen) -> None:
-    here = make(backend)
+def test_keys_choose_the_robot_and_the_speeds(make: Make, screen: Screen) -> None:
+    here = make()
     assert here._viewer.driver is not None
     keyboard = here._viewer.driver.keyboard
     screen.type("alt+1", "e", "c", "c", "z", "shift+c", "shift+c", "shift+z", "q", "e")
@@ -116,12 +114,11 @@ def test_keys_choose_the_robot_and_the_speeds(backend: str, make: Make, screen: 
     assert [robot.velocity[0] for robot in here.robots] == [0.0, 0.0]
 
 
-@pytest.mark.parametrize("backend", ["mpl", "pynput"])
 def test_keys_of_the_world(
-    backend: str, make: Make, screen: Screen, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, kept_picture
+    make: Make, screen: Screen, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, kept_picture
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    here = make(backend)
+    here = make()
     robot = here.robots[0]
     screen.down("w")
     go(here, lambda: robot.state[0] > 3.3)
@@ -161,18 +158,16 @@ def test_keys_of_the_world(
         here.render()
 
 
-def test_keys_count_in_this_window_alone_unless_asked_otherwise(make: Make, screen: Screen) -> None:
-    for hook, speed in ((False, 0.0), (True, 1.0)):
-        here = make("pynput", keyboard={"global_hook": hook})
-        screen.move(1200, 1000)
-        screen.focus(None)
-        screen.down("w")
-        for _ in range(40):
-            steps(here, 1)
-        assert here.key_vel[0] == speed
-        screen.up("w")
-        go(here, lambda world=here: world.key_vel[0] == 0.0)
-        here.close()
+def test_keys_count_in_this_window_alone(make: Make, screen: Screen) -> None:
+    with pytest.warns(NoKeyboardWarning, match="global_hook: keys count only while the window has the focus"):
+        here = make(keyboard={"global_hook": True})
+    screen.move(1200, 1000)
+    screen.focus(None)
+    screen.down("w")
+    for _ in range(40):
+        steps(here, 1)
+    assert here.key_vel[0] == 0.0
+    screen.up("w")
 
 
 def test_drives_that_go_sideways(make: Make, screen: Screen) -> None:
@@ -271,7 +266,7 @@ def test_drawing_is_switched_off_and_on(make: Make, screen: Screen) -> None:
 
 
 def test_a_closed_window_ends_the_world(make: Make, screen: Screen) -> None:
-    here = make("pynput")
+    here = make()
     steps(here, 2)
     screen.close_window(here.name)
     go(here, lambda: here.quit_flag)

@@ -61,7 +61,7 @@ def test_keys_and_mouse_come_in(window: Window, screen: Screen, until) -> None:
     window.connect("key_press", lambda event: pressed.append(event.key))
     window.connect("scroll", lambda event: turned.append(event.steps))
     screen.move(20, 20)
-    until(lambda: window.focused, window.wait)
+    screen.focus(TITLE)
     screen.type("w", "alt+3", "shift+z", "Escape", "space", "F5")
     screen.click("up", 20, 20)
     screen.click("down", 20, 20)
@@ -74,7 +74,7 @@ def test_keys_of_matplotlib_do_nothing(window: Window, screen: Screen, until) ->
     pressed: list[str] = []
     window.connect("key_press", lambda event: pressed.append(event.key))
     screen.move(20, 20)
-    until(lambda: window.focused, window.wait)
+    screen.focus(TITLE)
     screen.type("q", "ctrl+w", "s", "f")  # quit, quit, save, full screen
     until(lambda: "f" in pressed, window.wait)
     assert not window.closed
@@ -87,7 +87,6 @@ def test_a_window_that_the_person_closes_is_noticed(window: Window, screen: Scre
     until(lambda: window.closed, window.wait)
     window.show(quarters())
     window.wait(10.0)  # returns at once
-    assert not window.focused
     assert not screen.has_window(TITLE)
 
 

@@ -32,10 +32,18 @@ def done(words: list[str], folder: Path) -> subprocess.CompletedProcess[str]:
     return found
 
 
-def test_the_block_runs(tmp_path):
-    (block,) = blocks("python")
-    script = tmp_path / "block.py"
-    script.write_text(block, encoding="utf-8")
-    said = done([str(script)], tmp_path).stdout
-    assert said.startswith("2048")
+def test_the_training_runs(tmp_path):
+    said = done([script(0, tmp_path)], tmp_path).stdout
+    assert int(float(said.split()[0])) >= 2048
     assert " rllib " in said  # a row of the evaluation
+
+
+def test_the_team_trains(tmp_path):
+    said = done([script(1, tmp_path)], tmp_path).stdout
+    assert int(re.search(r"'shared': np.int64\((\d+)\)", said)[1]) >= 4 * 100  # four robots, which may wait
+
+
+def script(number: int, folder: Path) -> str:
+    file = folder / "block.py"
+    file.write_text(blocks("python")[number], encoding="utf-8")
+    return str(file)

@@ -78,7 +78,7 @@ def test_an_omni_body_heads_where_it_moves() -> None:
         ("gf", r"a body has no 'gf': use shape, kinematics, geometry"),
         ("_goal", "use goal, goals"),
         ("plot_goal", "render"),
-        ("mass", "contact mode"),
+        ("apply_contact_velocity", "set_velocity"),
         ("goal_treshold", r"did you mean 'goal_threshold'\?"),
         ("qqqq", "a body has no 'qqqq'$"),
         ("_qqqq", "no attribute '_qqqq'"),

@@ -7,16 +7,13 @@ import json
 import pickle
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from damage import Random, broken_archive, broken_bytes, broken_json, broken_text
 
 import irsim_gym
 from irsim_gym.evaluation.comparison.demonstrations import Demonstrations, save_demonstrations
-from irsim_gym.evaluation.levels.barn import import_barn
 from irsim_gym.evaluation.levels.certificate import read_certificate
-from irsim_gym.evaluation.levels.jaxnav import import_jaxnav
 from irsim_gym.evaluation.measures.metrics import EpisodeRow
 from irsim_gym.evaluation.measures.team_metrics import AgentRow, TeamRow
 from irsim_gym.evaluation.protocol.tables import write_json
@@ -94,20 +91,6 @@ def demonstrations(file: Path) -> None:
     )
 
 
-def jaxnav(file: Path) -> None:
-    arrays: dict[str, Any] = {"cells": np.zeros((2, 11, 11), int), "start_xy": np.ones((2, 1, 2))}
-    arrays |= {"start_heading": np.zeros((2, 1)), "goal_xy": np.full((2, 1, 2), 5.0)}
-    np.savez(file, **arrays)
-
-
-def barn(file: Path) -> None:
-    np.savez(file, cylinder_xy=np.array([[-4.425, 0.075], [-4.275, 0.225]]), world_start=np.array([0, 1, 2]))
-
-
-WORLD = """<sdf version="1.6"><world name="w"><model name="c"><pose>-4.425 0.075 0 0 0 0</pose><link name="l">
-<collision name="c"><geometry><cylinder><radius>0.075</radius><length>1</length></cylinder></geometry></collision>
-</link></model></world></sdf>
-"""
 EPISODES = [EpisodeRow(k, "success", "", 50, 5.0, 6.0, 4.5, 0.25) for k in range(4)]
 TEAMS = [
     TeamRow(
@@ -197,9 +180,6 @@ KINDS = {
     "certificate": Kind("c.npz", shipped("certificates/parking.npz"), read_certificate, PACKED),
     "shelf policy": Kind("p.npz", copy_of(shelf_file("cluttered_room")), irsim_gym.load_policy, PACKED),
     "demonstrations": Kind("d.npz", demonstrations, irsim_gym.load_demonstrations, PACKED),
-    "BARN arrays": Kind("barn.npz", barn, import_barn, PACKED),
-    "BARN world": Kind("world_1.world", text_of(WORLD), lambda file: import_barn(file.parent), TEXT),
-    "JaxNav arrays": Kind("nav.npz", jaxnav, import_jaxnav, PACKED),
     "policy.zip": Kind("policy.zip", copy_of(AGENTS / "policies/circle_swap_seed_0.zip"), load_zip, PACKED),
     "state.pkl": Kind(
         "state.pkl", lambda file: file.write_bytes(pickle.dumps({"a": np.arange(9)})), load_pickled_state

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 import shutil
 from pathlib import Path
 from types import SimpleNamespace
@@ -45,7 +46,8 @@ def loosened(contract: Path, folder: Path, **tested: Any) -> Path:
     """Return a copy of an export whose contract says that it was tested with other scanners, too."""
     found = json.loads(contract.read_text(encoding="utf-8"))
     found["scan"]["tested"].update(tested)
-    shutil.copy(contract.with_name("policy.onnx"), folder)
+    for name in ("policy.onnx", "contract.schema.json"):
+        shutil.copy(contract.with_name(name), folder)
     (folder / "contract.json").write_text(json.dumps(found), encoding="utf-8")
     return folder / "contract.json"
 
@@ -205,8 +207,56 @@ def test_messages_of_ir_sim_will_do(driver: Driver) -> None:
     assert driver.tick(2.0)[2] == ""
 
 
+@pytest.mark.parametrize(
+    ("path", "value", "said"),
+    [
+        ("stop.scan_age", None, "stop.scan_age is null: it must be number. [s]"),
+        ("stop.scan_age", ..., "stop.scan_age is missing. [s]"),
+        ("stop.lost_beams", True, "stop.lost_beams is true: it must be number. A share."),
+        ("scan", 3, "scan is 3: it must be object."),
+        ("scan.beams", "180", 'scan.beams is "180": it must be integer.'),
+        ("scan.tested.beams", [90], "scan.tested.beams.1 is missing."),
+        ("scan.tested.beams", [90, 180, 360], "scan.tested.beams has 3 items: it must have 2."),
+        ("scan.mounts", [[0, 0], [0, 0], [0, "x"]], 'scan.mounts.2.1 is "x": it must be number.'),
+        ("scan.no_return", "nan", 'scan.no_return is "nan": it must be "inf" or "zero".'),
+        ("robot.low", "fast", 'robot.low is "fast": it must be array. Least command, in the units of the output.'),
+        ("states.trail.start", ..., "states.trail.start is missing. Before the first step;"),
+        ("states.action", ..., "and its policy.onnx differ in inputs or states: action_next"),
+        ("inputs.pose", ..., "and its policy.onnx differ in inputs or states: pose"),
+        ("hashes", ..., "hashes is missing."),
+        ("format", 2, "format is 2: it must be 1."),
+    ],
+)
+def test_a_broken_contract_is_refused(contract: Path, tmp_path: Path, path: str, value: Any, said: str) -> None:
+    file = loosened(contract, tmp_path)
+    content = json.loads(file.read_text(encoding="utf-8"))
+    *way, last = path.split(".")
+    place = content
+    for name in way:
+        place = place[name]
+    if value is ...:
+        del place[last]
+    else:
+        place[last] = value
+    file.write_text(json.dumps(content), encoding="utf-8")
+    with pytest.raises(ValueError, match=re.escape(said)) as error:
+        Driver(file)
+    assert str(file) in str(error.value)
+
+
+def test_a_contract_that_is_no_json_is_refused(contract: Path, tmp_path: Path) -> None:
+    file = loosened(contract, tmp_path)
+    file.write_text("{", encoding="utf-8")
+    with pytest.raises(ValueError, match=r"contract\.json is not JSON: "):
+        Driver(file)
+    file.write_text("[]", encoding="utf-8")
+    with pytest.raises(ValueError, match=r"contract\.json: the contract is \[\]: it must be object"):
+        Driver(file)
+
+
 def test_another_graph_than_the_contracts_is_refused(contract: Path, tmp_path: Path) -> None:
-    shutil.copy(contract, tmp_path)
+    for name in ("contract.json", "contract.schema.json"):
+        shutil.copy(contract.with_name(name), tmp_path)
     (tmp_path / "policy.onnx").write_bytes(contract.with_name("policy.onnx").read_bytes() + b"\n")
     with pytest.raises(ValueError, match="belongs to another policy"):
         Driver(tmp_path / "contract.json")

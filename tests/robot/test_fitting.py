@@ -51,8 +51,8 @@ def test_a_policy_is_played_with_other_scanners_and_the_contract_notes_those_tha
     ]
     own, some, front = fit.fit(robot, variants, levels=60)
     assert (own.fits, some.fits, front.fits) == (True, True, False)
-    assert own.share >= some.share - fit.MOST_LOST
-    assert front.share < 0.9
+    assert own.results.success >= some.results.success - fit.MOST_LOST
+    assert front.results.success < 0.9
     tested = content(robot).scan.tested
     assert tested.beams == (90, 180)
     assert tested.range_max == (6.0, 6.0)

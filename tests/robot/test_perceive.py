@@ -18,7 +18,7 @@ from test_readme import blocks
 
 from irsim_gym.robot.drive import Driver
 from irsim_gym.robot.export import FILES, export_for_robot
-from irsim_gym.robot.perceive import SeenMap
+from irsim_gym.robot.parts.perceive import SeenMap
 
 AROUND = np.arange(8) * 0.25 * np.pi
 NOTHING = np.full(8, np.inf, np.float32)
@@ -93,7 +93,7 @@ def maze(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def test_an_export_with_a_map_holds_what_keeps_it(maze: Path) -> None:
-    assert {file.name for file in maze.iterdir()} == set(FILES)
+    assert {file.name for file in maze.iterdir()} == {*FILES} - {"shield.py"}
     contract = json.loads((maze / "contract.json").read_text(encoding="utf-8"))
     form = contract["seen_map"]
     assert contract["inputs"]["way_on_seen_map"] == {"shape": ["batch", 3], "dtype": "float64"}

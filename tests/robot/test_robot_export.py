@@ -17,14 +17,17 @@ from irsim_gym.evaluation.protocol.protocol import evaluate
 from irsim_gym.evaluation.requests.scenario_request import ScenarioRequest
 from irsim_gym.evaluation.saved_policies.policies import SavedPolicy
 from irsim_gym.evaluation.saved_policies.shelf import read_policy, shelf_file
+from irsim_gym.evaluation.saved_policies.shelf_tables import curves_text
 from irsim_gym.robot import export
 from irsim_gym.robot.contract import RobotContract
 from irsim_gym.robot.export import FILES, RobotExport, export_for_robot
+from irsim_gym.robot.fitting import Variant, fit
 from irsim_gym.robot.graph_policy import DelayedPolicy, GraphPolicy
 from irsim_gym.robot.inputs import measured, robot_values
 from irsim_gym.robot.policy_graph import policy_graph
 from irsim_gym.robot.prediction import pending_spans, predicted
 from irsim_gym.scenario import load_scenario
+from irsim_gym.scenario.specs.library import find
 from irsim_gym.simulator.engine import compile
 from irsim_gym.tasks import Episodes, load_task
 from irsim_gym.tasks.terms.graph import Graph
@@ -34,19 +37,19 @@ onnxruntime = pytest.importorskip("onnxruntime")
 
 
 def test_the_files_of_an_export(exported: RobotExport) -> None:
-    assert {file.name for file in exported.folder.iterdir()} == {*FILES} - {"perceive.py"}
+    assert {file.name for file in exported.folder.iterdir()} == {*FILES} - {"perceive.py", "shield.py"}
     onnx.checker.check_model(onnx.load(exported.folder / "policy.onnx"), full_check=True)
     assert exported.difference <= 1e-5
     assert exported.n_commands > 1000
 
 
 def test_older_releases_of_onnxruntime_load_the_graph(exported: RobotExport) -> None:
-    """Up to 1.21 they need names of nodes, and up to 1.20 they have no cosine of float64; tried from 1.17 on."""
+    """Up to 1.21 they need names of nodes, and not all have these operators of float64; tried from 1.17 on."""
     nodes = onnx.load(exported.folder / "policy.onnx").graph.node
     names = {node.name for node in nodes}
     assert len(names) == len(nodes)
     assert "" not in names
-    assert "Cos" not in {node.op_type for node in nodes}
+    assert not {"Cos", "Gemm", "ReduceL2"} & {node.op_type for node in nodes}
 
 
 def test_the_check_can_be_repeated_without_the_package(exported: RobotExport) -> None:
@@ -69,6 +72,10 @@ def test_the_contract_keeps_to_its_schema(exported: RobotExport) -> None:
     assert (found["robot"]["low"], found["robot"]["high"]) == ([0.0, -1.5], [1.0, 1.5])
     ages = {"scan_age": pytest.approx(0.3), "odometry_age": pytest.approx(0.3), "bodies_age": None}
     assert found["stop"] == {**ages, "lost_beams": 0.3}
+    assert found["robustness"]["latency"]["5 points lost at"] == pytest.approx(0.2, abs=0.02)
+    card = read_policy(shelf_file("cluttered_room")).card
+    assert card is not None
+    assert exported.contract.robustness == card.robustness
     assert found["states"]["record_nearest"] == {"shape": [1], "dtype": "float64", "start": "inf"}
 
 
@@ -114,6 +121,31 @@ def test_what_a_task_predicts_is_left_to_the_graph(tmp_path: Path) -> None:
     assert found.contract.results.success > 0.9
 
 
+def test_a_latency_of_the_scenario_delays_a_predicting_policy_once(tmp_path: Path) -> None:
+    data = yaml.safe_load(Path(find("cluttered_room")).read_text(encoding="utf-8"))
+    data["robot"][0]["disturbances"] = [{"name": "latency", "time": 0.3}]
+    file = tmp_path / "late.yaml"
+    file.write_text(yaml.safe_dump(data), encoding="utf-8")
+    asked = ScenarioRequest(str(file))
+    late = export_for_robot("cluttered_room", tmp_path / "out", predict=0.3, asked=asked, levels=20).contract
+    assert late.results.success > 0.9
+    again, _ = fit(tmp_path / "out", [Variant("more beams", {"beams": 200})], levels=20)
+    assert again.results == late.results
+
+
+def test_a_contract_has_the_curves_that_hold_for_its_graph(tmp_path: Path) -> None:
+    """Those of a policy that is told its latency do not hold for a graph without prediction, others do."""
+    own = export_for_robot("cluttered_room_robot", tmp_path / "own", levels=2)
+    card = read_policy(shelf_file("cluttered_room_robot")).card
+    assert card is not None
+    assert set(card.robustness) - set(own.contract.robustness) == {"latency", "all"}
+    text = (own.folder / "README.md").read_text(encoding="utf-8").replace("\n", " ")
+    assert f"It loses 5 points at: {curves_text(own.contract.robustness)}." in text
+    late = export_for_robot("cluttered_room", tmp_path / "late", levels=2, predict=0.3)
+    assert late.contract.robustness == {}
+    assert "5 points" not in (late.folder / "README.md").read_text(encoding="utf-8")
+
+
 def test_an_export_is_not_replaced(exported: RobotExport) -> None:
     with pytest.raises(IrsimGymError, match=r"holds policy\.onnx already"):
         export_for_robot("cluttered_room", exported.folder, levels=1)
@@ -153,9 +185,7 @@ def test_a_prediction_is_what_the_robot_sees_when_it_is_there() -> None:
     session = onnxruntime.InferenceSession(graph.model("prediction").SerializeToString())
     commands = np.array([[[1.0, 1.0], [0.8, -0.5], [1.0, 1.2]]])
     now = measured(played)
-    ranges, pose = session.run(
-        None, {**{name: now[name] for name in ("ranges", "pose", "velocity")}, "pending": commands}
-    )
+    ranges, pose = session.run(None, {**{name: now[name] for name in ("ranges", "pose")}, "pending": commands})
     for command in commands[0]:
         played.step((command / [1.0, 1.5]).reshape(1, 1, 2))
     then = measured(played)

@@ -10,7 +10,7 @@ import pytest
 
 from irsim_gym.base import families
 from irsim_gym.robot.inputs import measured, robot_values
-from irsim_gym.robot.perceive import SeenMap
+from irsim_gym.robot.parts.perceive import SeenMap
 from irsim_gym.robot.policy_graph import perceived_by
 from irsim_gym.robot.prediction import pending_spans, predicted
 from irsim_gym.scenario import load_scenario
@@ -35,6 +35,7 @@ CAR = {
     **DISC,
     "shape": {"name": "rectangle", "length": 0.9, "width": 0.5, "wheelbase": 0.5},
 }
+CAR_BY_RATE = {**DIFF, "kinematics": {"name": "acker", "mode": "angular"}, "shape": CAR["shape"]}
 EVERYTHING: list[Any] = [
     "scan",
     "free_travel",
@@ -181,7 +182,8 @@ def test_the_twin_of_times_to_collision_equals_its_kernel_in_a_few_steps() -> No
 
 
 @pytest.mark.parametrize(
-    ("robot", "seconds", "latency"), [(DIFF, 0.3, 0.3), (DIFF, 0.25, 0.3), (CAR, 0.4, 0.0), (OMNI, 0.5, 0.5)]
+    ("robot", "seconds", "latency"),
+    [(DIFF, 0.3, 0.3), (DIFF, 0.25, 0.3), (CAR, 0.4, 0.0), (CAR_BY_RATE, 0.2, 0.2), (OMNI, 0.5, 0.5)],
 )
 def test_a_predicted_task_observes_what_the_predictor_in_the_graph_does(
     robot: dict[str, Any], seconds: float, latency: float
@@ -189,6 +191,15 @@ def test_a_predicted_task_observes_what_the_predictor_in_the_graph_does(
     late = {**robot, "disturbances": [{"name": "latency", "time": latency}]}
     for observations in (EVERYTHING, OTHERWISE):
         assert max(differences(episodes(late, observations, predict=seconds, **MOVING), 40)) < TOLERANCE
+
+
+def test_a_car_by_turn_rate_that_stands_is_not_predicted_to_turn() -> None:
+    played = episodes(CAR_BY_RATE, ["heading"], predict=0.3)
+    twin, heading = Twin(played), measured(played)["pose"][:, 2]
+    for speed, turn in ((0.0, 0.0), (0.5, 0.3 * 0.6)):
+        twin.under_way[:] = [speed, 0.6]
+        then = heading + turn
+        np.testing.assert_allclose(twin.see(), np.stack([np.cos(then), np.sin(then)], axis=1), atol=1e-6)
 
 
 @pytest.mark.slow

@@ -39,7 +39,7 @@ WORLD = {
     "offset of text": ("world:\n  offset:\n    - 1\n    - b", "4 world.offset[1]: must be a number, got 'b'"),
     "mode": (
         "world:\n  collision_mode: stpo",
-        "2 world.collision_mode: must be 'stop', 'unobstructed' or 'unobstructed_obstacles', got 'stpo' "
+        "2 world.collision_mode: must be 'stop', 'unobstructed', 'unobstructed_obstacles' or 'contact', got 'stpo' "
         "(did you mean 'stop'?)",
     ),
     "mode of a wrong type": (
@@ -356,8 +356,8 @@ ENTRIES = {
         "4 robot.sensors[1].angle_std: must be >= 0, got -1",
     ),
     "contact sensor": (
-        "robot: {sensors: [{type: contact2d}]}",
-        "1 robot.sensors[0].type: contact mode is not part of the scenario language",
+        "robot: {sensors: [{type: contact2d, force_scale: -1}]}",
+        "1 robot.sensors[0].force_scale: must be >= 0, got -1",
     ),
     "sensor drawing": (
         "robot:\n  sensors:\n    - {plot: {colour: red}}\n    - {plot: {color: rd}}",
@@ -471,16 +471,30 @@ HUGE = {
     ),
 }
 CONTACT = {
-    "contact mode": (
-        "world:\n  collision_mode: contact\n  gravity: 9.81",
-        "2 world.collision_mode: contact mode is not part of the scenario language",
-        "3 world.gravity: contact mode is not part of the scenario language",
+    "world": (
+        "world:\n  gravity: 0\n  friction: -1\n  restitution: 1.5\n  drive_tau: .inf",
+        "2 world.gravity: must be > 0, got 0",
+        "3 world.friction: must be >= 0, got -1",
+        "4 world.restitution: must be <= 1, got 1.5",
+        "5 world.drive_tau: must be finite, got inf",
     ),
-    "contact keys": (
-        "robot:\n  mass: 1\n  friction: 0.5\n  kinematics: {name: diff, tau: 0.1}",
-        "2 robot.mass: contact mode is not part of the scenario language",
-        "3 robot.friction: contact mode is not part of the scenario language",
-        "4 robot.kinematics.tau: contact mode is not part of the scenario language",
+    "body": (
+        "obstacle:\n  mass: .nan\n  friction: inf\n  inertia: 0\n  restitution: '2'",
+        "2 obstacle.mass: must be > 0, got nan",
+        "3 obstacle.friction: must be a number, got 'inf' (infinity is written .inf)",
+        "4 obstacle.inertia: must be > 0, got 0",
+        "5 obstacle.restitution: must be <= 1, got 2",
+    ),
+    "one of several masses": (
+        "obstacle:\n  number: 3\n  mass: [1, -2]\n  friction: []",
+        "3 obstacle.mass[1]: must be > 0, got -2",
+        "4 obstacle.friction: must be a number, got []",
+    ),
+    "drive": ("robot:\n  kinematics: {name: diff, tau: -1}", "2 robot.kinematics.tau: must be >= 0, got -1"),
+    "a body that coasts decides nothing": (
+        "obstacle:\n  mass: 1\n  behavior: {name: dash}",
+        "3 obstacle.behavior: a body that coasts, with a mass and no drive, decides nothing: add kinematics or remove "
+        "the behavior",
     ),
 }
 CASES = {

@@ -5,14 +5,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 import yaml
-from defect_tools import problems
 from test_scenario_schema import LANGUAGE
 
 from irsim_gym.base import families
 from irsim_gym.rendering import Renderer
 from irsim_gym.scenario import load_scenario
 from irsim_gym.scenario.reference.option_tables import option_tables
-from irsim_gym.scenario.text.messages import CONTACT_KEYS
 from irsim_gym.simulator.engine import compile
 
 OUTLINE = (
@@ -86,7 +84,11 @@ world:
   sample_time: 0.2
   offset: [0, 0]
   control_mode: keyboard
-  collision_mode: unobstructed_obstacles
+  collision_mode: contact
+  gravity: 9.8
+  friction: 0.4
+  restitution: 0.2
+  drive_tau: 0.1
   status: Running
   obstacle_map: {{name: perlin, resolution: 1, complexity: 0.2, fill: 0.01, fractal: 2, attenuation: 0.4, seed: 3}}
   mdownsample: 2
@@ -106,7 +108,7 @@ robot:
   - name: first
     number: 1
     distribution: {{name: manual}}
-    kinematics: {{name: diff, noise: true, alpha: [0.01, 0.01, 0.01, 0.01]}}
+    kinematics: {{name: diff, noise: true, alpha: [0.01, 0.01, 0.01, 0.01], tau: 0.2}}
     shape: {{name: circle, radius: 0.3, center: [0.1, 0], random_shape: true, radius_range: [0.2, 0.3], wheelbase: 0.1}}
     state: [10, 2, 0]
     velocity: [0.1, 0]
@@ -131,6 +133,7 @@ robot:
     fov_radius: 3
     sensors:
       - {{name: lidar2d, has_velocity: true, {LIDAR}}}
+      - {{name: contact2d, force_scale: 0.1, marker_size: 5, linewidth: 1, alpha: 0.5, color: red, plot: {{alpha: 1}}}}
       - {{name: fmcw_lidar2d, motion_compensate: true, velocity_noise_std: 0.1, {LIDAR}}}
     plot: {PLOT}
   - distribution: {{name: random, min_distance: 0.5, {BOUNDS}}}
@@ -162,6 +165,11 @@ obstacle:
     state: [6, 15]
   - shape: {{name: polygon, vertices: [[0, 0], [1, 0], [0, 1]]}}
     state: [9, 15]
+    mass: 2
+    inertia: 0.1
+    friction: 0.3
+    restitution: 0.5
+    velocity: [1, 0, 0.5]
   - shape: {{name: compound, parts: [{{name: circle, radius: 0.2, pose: [0.2, 0, 0]}}, {{name: rectangle}}]}}
     state: [12, 17]
 gui:
@@ -195,12 +203,3 @@ def test_every_kind_is_a_table() -> None:
     kinds = {f"{registry.family} {entry.name}" for registry in families.every() for entry in registry}
     assert kinds <= titles
     assert set(LANGUAGE) <= titles
-
-
-def test_contact_mode_alone_is_refused() -> None:
-    world = [f"world: {{{key}: 1}}" for key in sorted(CONTACT_KEYS["world"])]
-    body = [f"robot: {{{key}: 1}}" for key in sorted(CONTACT_KEYS["body"])]
-    drive = [f"robot: {{kinematics: {{name: diff, {key}: 1}}}}" for key in sorted(CONTACT_KEYS["body.kinematics"])]
-    for text in [*world, *body, *drive, "world: {collision_mode: contact}"]:
-        (problem,) = problems(text)
-        assert "contact mode is not part of the scenario language" in problem or "contacts are not simulated" in problem

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import warnings
 from pathlib import Path
 from typing import Any
@@ -82,7 +83,7 @@ UNKNOWN = """
 world: {height: 8, widht: 7}
 robt: {kinematics: {name: diff}}
 robot:
-  - {kinematics: {name: diff, nois: true}, shape: {name: circle, raduis: 1}, mass: 3, colour: r}
+  - {kinematics: {name: diff, nois: true}, shape: {name: circle, raduis: 1}, colour: r}
 obstacle:
   - {sensors: [{name: lidar2d, rnge_max: 3}], plot: {show_gaol: true}}
 """
@@ -91,7 +92,6 @@ UNKNOWN_TOLD = {
     (3, "robt"): "did you mean 'robot'?",
     (5, "robot[0].kinematics.nois"): "did you mean 'noise'?",
     (5, "robot[0].shape.raduis"): "did you mean 'radius'?",
-    (5, "robot[0].mass"): "contact mode is not part of the scenario language",
     (5, "robot[0].colour"): "did you mean 'color'?",
     (7, "obstacle[0].sensors[0].rnge_max"): "did you mean 'range_max'?",
     (7, "obstacle[0].plot.show_gaol"): "did you mean 'show_goal'?",
@@ -116,12 +116,13 @@ def test_unknown_keys_are_errors_unless_the_reader_is_lenient(tmp_path: Path) ->
 
 
 def test_values_stay_errors_where_the_reader_is_lenient(tmp_path: Path) -> None:
-    text = "world: {width: -1, foo: 1, collision_mode: contact}\nrobot: {sensors: [{name: contact2d}]}"
+    text = "world: {width: -1, foo: 1, collision_mode: 3}\nrobot: {mass: 0, sensors: [{name: sonar}]}"
     with pytest.raises(ScenarioError) as refused:
         load_scenario(write(tmp_path, text), strict=False)
     assert {problem.path for problem in refused.value.problems} == {
         "world.width",
         "world.collision_mode",
+        "robot.mass",
         "robot.sensors[0].name",
     }
 
@@ -198,25 +199,32 @@ def test_a_section_in_the_wrong_number_is_always_an_error(section: str, tmp_path
 
 
 @pytest.mark.parametrize(
-    ("entry", "moves"),
+    ("entry", "mass", "coasts"),
     [
-        ("mass: 1.0", True),
-        ("mass: 1.0, kinematics: {name: static}, static: false", True),
-        ("mass: .inf", False),
-        ("mass: 1.0, static: true", False),
-        ("mass: 1.0, kinematics: {name: diff}", False),
-        ("friction: 0.3", False),
+        ("mass: 2.0", 2.0, True),
+        ("mass: '2.0', kinematics: {name: static}, static: false", 2.0, True),
+        ("mass: 'inf'", math.inf, False),
+        ("mass: 2.0, static: true", 2.0, False),
+        ("mass: 2.0, kinematics: {name: diff}", 2.0, False),
+        ("kinematics: {name: diff}", 1.0, False),
+        ("kinematics: {name: diff}, static: true", math.inf, False),
+        ("friction: 0.3", math.inf, False),
     ],
 )
-def test_a_mass_is_an_error_where_it_moves_a_body_in_ir_sim(entry: str, moves: bool, tmp_path: Path) -> None:
-    """There, bodies with a mass and no drive keep their velocity in every mode; all others are as without a mass."""
-    text = f"obstacle:\n  - {{{entry}}}"
-    if moves:
-        with pytest.raises(ScenarioError, match=r"2   obstacle\[0\].mass: contacts are not simulated yet"):
-            load_scenario(write(tmp_path, text), strict=False)
-    else:
-        _, (warning,) = load(tmp_path, text, strict=False)
-        assert type(warning) is IgnoredKeyWarning
+def test_a_finite_mass_moves_a_body_without_a_drive(entry: str, mass: float, coasts: bool, tmp_path: Path) -> None:
+    scenario, told = load(tmp_path, f"obstacle:\n  - {{{entry}}}")
+    body = scenario.bodies[0]
+    assert not told
+    assert (body.mass, body.coasts, body.static) == (
+        mass,
+        coasts,
+        (not coasts and "diff" not in entry) or "true" in entry,
+    )
+
+
+def test_a_list_has_the_masses_of_the_bodies_of_an_entry(tmp_path: Path) -> None:
+    scenario, _ = load(tmp_path, "obstacle:\n  number: 4\n  mass: [1, '2']\n  friction: [0.1, 0.2, 0.3, 0.4, 0.5]")
+    assert [(body.mass, body.friction) for body in scenario.bodies] == [(1, 0.1), (2, 0.2), (2, 0.3), (2, 0.4)]
 
 
 def test_a_static_drive_is_none(tmp_path: Path) -> None:

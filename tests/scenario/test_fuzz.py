@@ -14,7 +14,8 @@ from irsim_gym.base.options import option_fields
 from irsim_gym.errors import ScenarioError
 from irsim_gym.scenario import Scenario, load_scenario
 from irsim_gym.scenario.specs.plot_spec import ObjectPlot, WorldPlot
-from irsim_gym.scenario.specs.spec import BodyOptions, WorldSpec
+from irsim_gym.scenario.specs.spec import BodyOptions
+from irsim_gym.scenario.specs.world_spec import WorldSpec
 from irsim_gym.scenario.text.source import SECTIONS, read_file
 
 OPTIONS = (

@@ -229,7 +229,6 @@ def test_nothing_is_noted_in_an_ordinary_file(load: Load) -> None:
     assert notes(load_scenario("cluttered_room")) == ()
 
 
-@pytest.mark.usefixtures("played_here")
 def test_check_prints_notes_below_a_file_that_is_fine(tmp_path: Path) -> None:
     file = tmp_path / "slow.yaml"
     file.write_text("world:\n  step_time: 2\n", encoding="utf-8")

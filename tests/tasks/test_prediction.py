@@ -73,6 +73,20 @@ def test_limits_of_acceleration_hold_on_the_way() -> None:
     assert seen(episodes)[[0, 4]] == pytest.approx([0.6 - 0.006 - 0.002 - 0.004 - 0.006, 0.6], abs=1e-6)
 
 
+def test_a_car_by_turn_rate_that_stands_is_not_predicted_to_turn() -> None:
+    shape = {"name": "rectangle", "length": 0.6, "width": 0.4, "wheelbase": 0.4}
+    car = late(kinematics={"name": "acker", "mode": "angular"}, shape=shape)
+    episodes = play(car, task=task("heading"))
+    for _ in range(4):
+        drive(episodes, -1.0, 1.0)
+    assert episodes.simulation.state.pose[0, 0, 2] == 0.0
+    assert seen(episodes) == pytest.approx([1.0, 0.0])
+    for _ in range(3):
+        drive(episodes, 1.0, 1.0)
+    # It still stands: three commands that turn it by 0.15 rad each are under way.
+    assert seen(episodes) == pytest.approx([np.cos(0.45), np.sin(0.45)])
+
+
 def test_levels_that_draw_their_latency_are_predicted_by_it() -> None:
     episodes = play(late([0.0, 0.5]), task=task("position", "heading"), n_worlds=6)
     rng = np.random.default_rng(0)

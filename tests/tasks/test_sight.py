@@ -50,7 +50,6 @@ def test_a_map_that_nobody_sees() -> None:
     assert unseen(world, load_task(world, seeing("goal"))) == "the obstacles"
 
 
-@pytest.mark.usefixtures("played_here")
 def test_check_notes_a_learner_that_sees_nothing(tmp_path: Path) -> None:
     file = tmp_path / "blind.yaml"
     hidden = [{"name": name, "use": False} for name in ("scan", "free_travel")]

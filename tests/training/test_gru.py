@@ -159,6 +159,11 @@ def test_minibatches_are_of_about_the_same_size_and_each_row_is_in_one() -> None
     assert [len(rows) for rows, _, _ in sequences.shuffled(None)] == [10]
 
 
+def test_a_sequence_that_ends_where_a_minibatch_is_full_belongs_to_it() -> None:
+    sequences = SequenceTable(np.arange(0, 96, 16), np.full(6, 16), np.zeros((6, 1)))
+    assert [len(rows) for rows, _, _ in sequences.shuffled(32)] == [32, 32, 32]
+
+
 @pytest.mark.parametrize("waits", [False, True])
 def test_sequences_give_what_was_computed_step_by_step(waits: bool) -> None:
     """With unchanged weights values and probabilities are the same, over episodes, sequences and rows that wait."""

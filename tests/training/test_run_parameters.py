@@ -134,7 +134,6 @@ def test_what_a_published_figure_names(file: str) -> None:
     assert list(named["velocity_max"]) == [0.5, 1.0]
 
 
-@pytest.mark.usefixtures("played_here")
 def test_the_command_line(file: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
     assert run(monkeypatch, "check", file, "--set", "n_robots=5", "--set", "speed = 1/2") == 0
     said = capsys.readouterr().out.splitlines()

@@ -20,7 +20,7 @@ from irsim_gym.evaluation.saved_policies.checkpoint_files import list_checkpoint
 from irsim_gym.evaluation.saved_policies.policies import SavedPolicy, load_policy
 from irsim_gym.scenario.specs.ids import scenario_name
 from irsim_gym.training.requests.train import train
-from irsim_gym.training.runs.models import algorithm_class
+from irsim_gym.training.runs.models import algorithm_class, new_model
 from irsim_gym.training.settings.hyperparameters import Hyperparameters, Linear
 from irsim_gym.training.settings.run import Run, Settings, environment_id
 
@@ -108,6 +108,12 @@ def test_what_cannot_be_mirrored_leaves_no_run(asked: Settings, said: str, tmp_p
     with pytest.raises(IrsimGymError, match=said):
         train(asked, tmp_path / "run")
     assert not (tmp_path / "run").exists()
+
+
+def test_networks_for_other_observations_are_refused_without_their_bounds() -> None:
+    with pytest.raises(IrsimGymError, match="only with images not with these observations") as found:
+        new_model(settings(policy="CnnPolicy"))
+    assert "CnnPolicy" in str(found.value)
 
 
 def test_another_seed_gives_other_weights(tmp_path: Path) -> None:

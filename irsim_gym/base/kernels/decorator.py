@@ -116,7 +116,8 @@ class Kernel:
     def plain(self) -> Any:
         """Numba's dispatcher in its own way, with its own cache."""
         compilation()
-        return plain_dispatcher(self._function, {name: self._options[name] for name in RESULTS})
+        # Numba would take `_nrt` from the kernel that it is compiling now, which may count no references.
+        return plain_dispatcher(self._function, {"_nrt": True, **{name: self._options[name] for name in RESULTS}})
 
     def _dispatcher(self, form: str, hooked: Callable[[], tuple[Any, dict[str, Any]]]) -> Any:
         """Return a dispatcher with hooks.

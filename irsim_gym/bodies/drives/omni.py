@@ -1,14 +1,15 @@
-"""Omnidirectional drive without rotation."""
+"""Omnidirectional drive without rotation, and the motion of those with and without it."""
 
 from collections.abc import Iterator
-from typing import Any, ClassVar, Literal
+from typing import ClassVar, Literal
 
 import numpy as np
 
 from irsim_gym.bodies.drives import motion_noise
 from irsim_gym.bodies.drives.motion_noise import Variances
-from irsim_gym.simulator.geometry.angles import wrap_from
+from irsim_gym.simulator.geometry.angles import wrap_below, wrap_from
 from irsim_gym.simulator.world.names import (
+    OMNI_ANGULAR,
     OMNI_BODY,
     OMNI_WORLD,
     Floats,
@@ -70,54 +71,61 @@ class Omni(motion_noise.NoisyDrive):
     @staticmethod
     def begin(group: Group, model: Model, state: State, shard: Shard) -> None:
         """Write the members' twists at the start of an episode, from their poses and initial velocities."""
-        twist_omni(shard.worlds, group.members, group.params, state)
+        twist_omni(shard.worlds, group.members, model, state)
 
     @staticmethod
     def move(group: Group, model: Model, state: State, shard: Shard) -> None:
         """Advance the members' positions by one step."""
         executed = motion_noise.executed(group, model, state, shard)
-        move_omni(shard.worlds, group.members, group.params, model, state, executed)
+        move_omni(shard.worlds, group.members, model, state, executed)
 
 
 @kernel
-def twist_omni(worlds: Ints, members: Ints, params: Any, state: State) -> None:
+def twist_omni(worlds: Ints, members: Ints, model: Model, state: State) -> None:
     """Write velocities in the world frame.
 
-    Reads: state (pose, velocity).
+    Reads: model (drive), state (pose, velocity).
     Writes: state (twist).
     """
     for w in worlds:
-        for k in range(members.shape[0]):
-            b = members[k]
-            # Frame `body`; velocities in the world's frame need no turn.
-            turn = state.pose[w, b, 2] if params[k].frame == 1 else 0.0
-            cosine, sine = np.cos(turn), np.sin(turn)
-            state.twist[w, b, 0] = cosine * state.velocity[w, b, 0] - sine * state.velocity[w, b, 1]
-            state.twist[w, b, 1] = sine * state.velocity[w, b, 0] + cosine * state.velocity[w, b, 1]
-            state.twist[w, b, 2] = 0.0
+        for b in members:
+            # Velocities in the world's frame need no turn.
+            turn = 0.0 if model.drive[b] == OMNI_WORLD else state.pose[w, b, 2]
+            write_twist(np.cos(turn), np.sin(turn), model.drive[b], state.velocity[w, b], state.twist[w, b])
 
 
 @kernel
-def move_omni(worlds: Ints, members: Ints, params: Any, model: Model, state: State, executed: Floats) -> None:
-    """Write the positions of the members that are free to move, from what they execute, and all twists.
+def write_twist(cosine: float, sine: float, drive: int, velocity: Floats, twist: Floats) -> None:
+    """Write the velocity of a body in the world frame, from that in its command's frame, turned by an angle.
 
-    Reads: model (heading_low, step_time), state (pose, stopped, velocity).
+    Writes: twist.
+    """
+    twist[0] = cosine * velocity[0] - sine * velocity[1]
+    twist[1] = sine * velocity[0] + cosine * velocity[1]
+    twist[2] = velocity[2] if drive == OMNI_ANGULAR else 0.0
+
+
+@kernel
+def move_omni(worlds: Ints, members: Ints, model: Model, state: State, executed: Floats) -> None:
+    """Write the poses of the members that are free to move, from what they execute, and all twists.
+
+    Reads: model (drive, heading_low, step_time), state (pose, stopped, velocity).
     Writes: state (pose, twist).
     """
     dt = model.step_time[0]
     for w in worlds:
-        for k in range(members.shape[0]):
-            b = members[k]
-            cosine, sine = 1.0, 0.0
-            # Frame `body`.
-            if params[k].frame == 1:
-                cosine, sine = np.cos(state.pose[w, b, 2]), np.sin(state.pose[w, b, 2])
+        for b in members:
+            drive, heading, cosine, sine = model.drive[b], state.pose[w, b, 2], 1.0, 0.0
+            if drive != OMNI_WORLD:
+                cosine, sine = np.cos(heading), np.sin(heading)
             if not state.stopped[w, b]:
                 state.pose[w, b, 0] += (cosine * executed[w, b, 0] - sine * executed[w, b, 1]) * dt
                 state.pose[w, b, 1] += (sine * executed[w, b, 0] + cosine * executed[w, b, 1]) * dt
-                # The heading does not change, but a start outside of its interval wraps in the first step, as in
-                # IR-SIM.
-                state.pose[w, b, 2] = wrap_from(state.pose[w, b, 2], model.heading_low[b])
-            state.twist[w, b, 0] = cosine * state.velocity[w, b, 0] - sine * state.velocity[w, b, 1]
-            state.twist[w, b, 1] = sine * state.velocity[w, b, 0] + cosine * state.velocity[w, b, 1]
-            state.twist[w, b, 2] = 0.0
+                # Wrapped twice, as in IR-SIM: by a drive that turns to [-pi, pi), then to the interval of the body's
+                # angle_range. A start outside of it wraps in the first step.
+                if drive == OMNI_ANGULAR:
+                    heading = wrap_below(heading + executed[w, b, 2] * dt)
+                state.pose[w, b, 2] = wrap_from(heading, model.heading_low[b])
+            if drive == OMNI_ANGULAR:
+                cosine, sine = np.cos(state.pose[w, b, 2]), np.sin(state.pose[w, b, 2])
+            write_twist(cosine, sine, drive, state.velocity[w, b], state.twist[w, b])

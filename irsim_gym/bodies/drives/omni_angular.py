@@ -3,12 +3,10 @@
 from collections.abc import Iterator
 from typing import ClassVar
 
-import numpy as np
-
 from irsim_gym.bodies.drives import motion_noise
 from irsim_gym.bodies.drives.motion_noise import Variances
-from irsim_gym.simulator.geometry.angles import wrap_below, wrap_from
-from irsim_gym.simulator.world.names import OMNI_ANGULAR, Floats, Group, Ints, Model, Shard, State, kernel, kind, option
+from irsim_gym.bodies.drives.omni import move_omni, twist_omni
+from irsim_gym.simulator.world.names import OMNI_ANGULAR, Group, Model, Shard, State, kind, option
 
 
 @kind
@@ -42,50 +40,10 @@ class OmniAngular(motion_noise.NoisyDrive):
     @staticmethod
     def begin(group: Group, model: Model, state: State, shard: Shard) -> None:
         """Write the members' twists at the start of an episode, from their poses and initial velocities."""
-        twist_omni_angular(shard.worlds, group.members, state)
+        twist_omni(shard.worlds, group.members, model, state)
 
     @staticmethod
     def move(group: Group, model: Model, state: State, shard: Shard) -> None:
         """Advance the members' poses by one step (explicit Euler with the heading of the step's start)."""
         executed = motion_noise.executed(group, model, state, shard)
-        move_omni_angular(shard.worlds, group.members, model, state, executed)
-
-
-@kernel
-def twist_omni_angular(worlds: Ints, members: Ints, state: State) -> None:
-    """Write velocities in the world frame.
-
-    Reads: state (pose, velocity).
-    Writes: state (twist).
-    """
-    for w in worlds:
-        for b in members:
-            cosine, sine = np.cos(state.pose[w, b, 2]), np.sin(state.pose[w, b, 2])
-            state.twist[w, b, 0] = cosine * state.velocity[w, b, 0] - sine * state.velocity[w, b, 1]
-            state.twist[w, b, 1] = sine * state.velocity[w, b, 0] + cosine * state.velocity[w, b, 1]
-            state.twist[w, b, 2] = state.velocity[w, b, 2]
-
-
-@kernel
-def move_omni_angular(worlds: Ints, members: Ints, model: Model, state: State, executed: Floats) -> None:
-    """Write the poses of the members that are free to move, from what they execute, and all twists.
-
-    Reads: model (heading_low, step_time), state (pose, stopped, velocity).
-    Writes: state (pose, twist).
-    """
-    dt = model.step_time[0]
-    for w in worlds:
-        for b in members:
-            if not state.stopped[w, b]:
-                heading = state.pose[w, b, 2]
-                cosine, sine = np.cos(heading), np.sin(heading)
-                state.pose[w, b, 0] += (cosine * executed[w, b, 0] - sine * executed[w, b, 1]) * dt
-                state.pose[w, b, 1] += (sine * executed[w, b, 0] + cosine * executed[w, b, 1]) * dt
-                # Wrapped twice, as in IR-SIM: by the drive to [-pi, pi), then to the interval of the body's
-                # angle_range.
-                heading = wrap_below(heading + executed[w, b, 2] * dt)
-                state.pose[w, b, 2] = wrap_from(heading, model.heading_low[b])
-            cosine, sine = np.cos(state.pose[w, b, 2]), np.sin(state.pose[w, b, 2])
-            state.twist[w, b, 0] = cosine * state.velocity[w, b, 0] - sine * state.velocity[w, b, 1]
-            state.twist[w, b, 1] = sine * state.velocity[w, b, 0] + cosine * state.velocity[w, b, 1]
-            state.twist[w, b, 2] = state.velocity[w, b, 2]
+        move_omni(shard.worlds, group.members, model, state, executed)

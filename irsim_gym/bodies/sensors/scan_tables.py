@@ -46,9 +46,6 @@ class ScanTables(Struct):
         rays: Inverse depths and directions, see ``lay_beams``, shape ``(n_slots, 3 * n_padded)``.
         inverse: Inverse depths [1/m], shape ``(n_slots, n_padded)``.
         nearest: Inverse depths of the nearest body [1/m], shape ``(n_slots, n_padded)``; empty as ``hit`` is.
-        seen: Discs that can be seen, shape ``(n_slots, CHUNK)``.
-        owners: Bodies of these discs, shape ``(n_slots, CHUNK)``.
-        areas: Bodies with an inside, shape ``(n_slots, CHUNK)``.
         walk_floats: See ``simulator.cell_maps.cell_rays``, shape ``(n_slots, N_FLOATS)``.
         walk_integers: See ``simulator.cell_maps.cell_rays``, shape ``(n_slots, N_INTEGERS)``.
     """
@@ -76,9 +73,6 @@ class ScanTables(Struct):
     rays: Rays
     inverse: Rays
     nearest: Rays
-    seen: Ints
-    owners: Ints
-    areas: Ints
     walk_floats: Rays
     walk_integers: Labels
 

@@ -9,7 +9,6 @@ from irsim_gym.bodies.sensors import hits, noise
 from irsim_gym.bodies.sensors.casting import cast_bodies, cast_discs, cast_segments
 from irsim_gym.bodies.sensors.cell_scan import scan_cells
 from irsim_gym.bodies.sensors.reports import scan_points
-from irsim_gym.bodies.sensors.room_casting import cast_room, is_small
 from irsim_gym.bodies.sensors.scan_tables import ScanTables
 from irsim_gym.simulator.cell_maps.cell_rays import N_FLOATS, N_INTEGERS
 from irsim_gym.simulator.geometry.polygons import contains_point
@@ -135,9 +134,6 @@ def prepare(group: Group, outlines: list[Outline], model: Model, n_slots: int, *
         rays=aligned((n_slots, 3 * padded), np.float32),
         inverse=np.zeros((n_slots, padded), np.float32),
         nearest=np.zeros((n_slots, padded if finds_hits else 0), np.float32),
-        seen=np.zeros((n_slots, CHUNK), np.int64),
-        owners=np.zeros((n_slots, CHUNK), np.int64),
-        areas=np.zeros((n_slots, CHUNK), np.int64),
         walk_floats=aligned((n_slots, N_FLOATS), np.float32),
         walk_integers=aligned((n_slots, N_INTEGERS), np.int32),
     )
@@ -179,10 +175,7 @@ def scan(group: Group, model: Model, state: State, shard: Shard) -> None:
     is_noisy, finds_hits = group.options[0].noise, "hit" in group.arrays
     if is_noisy:
         noise.draw_directions(worlds, tables, state)
-    if is_small(model):
-        cast_room(worlds, slot, tables, model, state)
-    else:
-        cast_bodies(worlds, slot, tables, model, state)
+    cast_bodies(worlds, slot, tables, model, state)
     if (cells := model.cells) is not None:
         scan_cells(worlds, slot, tables, cells, model, state)
     if finds_hits:

@@ -10,7 +10,7 @@ from irsim_gym.base.options import defaults, kind, option
 from irsim_gym.bodies.shapes.circle import Circle
 from irsim_gym.bodies.shapes.polygon import flaw_of
 from irsim_gym.bodies.shapes.rectangle import Rectangle
-from irsim_gym.simulator.world.outline import Outline, chain
+from irsim_gym.simulator.world.outline import CIRCLE_CORNERS, Outline, chain
 
 KEYS = {"circle": ("radius", "center"), "rectangle": ("length", "width"), "polygon": ("vertices",)}
 """Options of each shape of a part."""
@@ -51,7 +51,11 @@ class CompoundPart:
         return float(x), float(y), self._of(Circle, "radius")
 
     def corners(self) -> Floats:
-        """Return the corners of a rectangle or polygon in the body frame [m], shape ``(n, 2)``."""
+        """Return the corners in the body frame [m], shape ``(n, 2)``; 64 of a circle, as IR-SIM has them."""
+        if self.name == "circle":
+            turns, centre = -2.0 * np.pi * np.arange(CIRCLE_CORNERS) / CIRCLE_CORNERS, self.center or (0.0, 0.0)
+            rim = np.column_stack([np.cos(turns), np.sin(turns)])
+            return self._placed(np.array(centre) + self._of(Circle, "radius") * rim)
         if self.name == "polygon":
             return self._placed(np.array(self.vertices, np.float64))
         right, top = self._of(Rectangle, "length") / 2.0, self._of(Rectangle, "width") / 2.0
@@ -89,7 +93,8 @@ class Compound:
         cornered = shapely.union_all([shapely.Polygon(part.corners()) for part in self.parts if part.name != "circle"])
         rounds = [shapely.Point(x, y).buffer(radius, quad_segs=ROUND) for x, y, radius in discs]
         centre = shapely.union_all([cornered, *rounds]).centroid
-        return Outline(segments=_boundary(cornered), discs=discs, centroid=(centre.x, centre.y))
+        corners = tuple(part.corners() for part in self.parts)
+        return Outline(segments=_boundary(cornered), discs=discs, centroid=(centre.x, centre.y), parts=corners)
 
 
 def _boundary(area: Any) -> Floats:

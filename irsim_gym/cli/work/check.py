@@ -21,7 +21,7 @@ def check_files(files: Sequence[str], reading: ReadOptions) -> bool:
 
     Args:
         files: Scenario files or shipped names.
-        reading: How the files are read. The child process that runs them imports the same plugins.
+        reading: How the files are read.
     """
     read: dict[str, Read | None] = {}  # None: it is played for further problems, beside those of its task
     failures: dict[str, str] = {}
@@ -34,7 +34,7 @@ def check_files(files: Sequence[str], reading: ReadOptions) -> bool:
             failures[file] = str(error)
     played = try_files(list(read), reading) if read else {}
     for file, one in played.items():
-        if one.failure:
+        if one.failure and one.failure != failures.get(file):
             failures[file] = f"{failures[file]}\n{one.failure}" if file in failures else one.failure
     alone = not reading.team and reading.task is None
     for file, known in read.items():

@@ -1,22 +1,17 @@
-"""Trial runs of scenarios in a child process, so that even a crash does not end the calling process."""
+"""Trial runs of scenarios: levels and steps as all environments begin and take them."""
 
 from __future__ import annotations
 
 import faulthandler
-import json
-import os
-import signal
-import subprocess
 import sys
-import tempfile
 import time
 import traceback
 import warnings
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import suppress
-from dataclasses import asdict, dataclass, replace
+from contextlib import redirect_stdout, suppress
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from irsim_gym.base.errors import IrsimGymError, Problem, ScenarioError, ScenarioWarning
 
@@ -27,10 +22,6 @@ TRIAL_STEPS = 30
 """Largest number of steps for each kind of environment."""
 LONGEST_S = 2.0
 """Longest time for each kind of environment, without the first step [s]."""
-WINDOWS_ERRORS = 0xC0000000
-"""Exit codes from here on are those of crashes on Windows."""
-WAIT_MESSAGE_S = 5.0
-"""Time after which a message reports what the command is waiting for [s]."""
 PACKAGE = str(Path(__file__).parents[2])
 STANDING_S, WATCHED_S = 10.0, 60.0
 """Bodies that a collision has held for so long count as standing, after a trial of so long [s]."""
@@ -42,14 +33,12 @@ class ReadOptions:
 
     Attributes:
         parameters: Values for the parameters of the scenarios.
-        modules: Modules that ``import_modules`` imports first.
         strict: Whether unused keys are an error; False ignores them.
         task: Shipped name or path of a task; None for that of the scenario.
         team: Whether all robots have to be able to learn together.
     """
 
     parameters: Mapping[str, object]
-    modules: Sequence[str] = ()
     strict: bool = True
     task: str | None = None
     team: bool = False
@@ -69,70 +58,21 @@ class Played:
 
 
 def try_files(files: Sequence[str], reading: ReadOptions) -> dict[str, Played]:
-    """Run scenarios for a few steps in a child process, and return what came of it by file.
+    """Run scenarios for a few steps, and return what came of it by file.
 
     Each scenario begins some levels and takes some steps without learners, with a single learner, and as a team, if
-    possible. A scenario with wandering bodies plays a minute without learners.
+    possible. A scenario with wandering bodies plays a minute without learners. A crash of compiled code ends the
+    command, with the stack of Python.
 
     Args:
         files: Scenarios, as ``load_scenario`` takes them.
     """
-    found, end = _in_a_process(files, reading)
-    if not end:
-        return found
-    if len(files) == 1:
-        return {files[0]: Played(f"{files[0]}: {end}")}
-    alone = {file: try_files([file], reading)[file] for file in files}
-    if not any(one.failure for one in alone.values()):
-        alone[files[0]] = Played(f"{', '.join(files)}, one after the other: {end}")
-    return alone
-
-
-def _in_a_process(files: Sequence[str], reading: ReadOptions) -> tuple[dict[str, Played], str]:
-    """Return what came of each file, and how the process failed; an empty string if it did not."""
-    with tempfile.TemporaryDirectory(prefix="irsim_gym-") as folder:
-        plan, results, crash = (Path(folder) / name for name in ("plan", "results", "crash"))
-        plan.write_text(json.dumps({"files": list(files), "reading": asdict(reading)}), encoding="utf-8")
-        paths = os.pathsep.join(path or str(Path.cwd()) for path in sys.path)
-        child = subprocess.Popen(
-            [sys.executable, "-P", "-m", __name__, folder],
-            stdin=subprocess.DEVNULL,
-            env={**os.environ, "PYTHONPATH": paths},
-        )
-        try:
-            status = _wait(child, files)
-        finally:
-            child.kill()
-            child.wait()
-        lines = results.read_text(encoding="utf-8").splitlines() if results.is_file() else []
-        reported = {file: _read(played) for file, played in map(json.loads, lines)}
-        trace = crash.read_text(encoding="utf-8", errors="replace") if crash.is_file() else ""
-    return reported, "" if status == 0 and len(reported) == len(files) else _end(status, trace)
-
-
-def _read(played: Mapping[str, Any]) -> Played:
-    return Played(played["failure"], tuple(Problem(**note) for note in played["notes"]))
-
-
-def _wait(child: subprocess.Popen[bytes], files: Sequence[str]) -> int:
-    with suppress(subprocess.TimeoutExpired):
-        return child.wait(WAIT_MESSAGE_S)
-    over = "\r\x1b[2K" if sys.stderr.isatty() else ""  # overwrites the child's message about compilation
-    print(f"{over}irsim_gym: playing {', '.join(files)} for some steps, to check that it runs", file=sys.stderr)
-    return child.wait()
-
-
-def _end(status: int, trace: str) -> str:
-    """Return a message about how a process failed, with advice."""
-    known = {int(one): one.name for one in signal.Signals}
-    number = f"{status:#010x}" if status >= WINDOWS_ERRORS else status
-    how = f"by signal {known.get(-status, -status)}" if status < 0 else f"with status {number}"
-    shown = "".join(f"\n    {line}" for line in trace.strip().splitlines()[:12])
-    return (
-        f"the process that ran it for some steps ended {how}.\n"
-        "  The mistake is in irsim_gym or in an imported module, not in the file. Please report it with the file, the "
-        f"command and these lines.{shown}"
-    )
+    if sys.__stderr__ is not None:
+        faulthandler.enable(sys.__stderr__, all_threads=False)
+    # Output of behaviours does not belong to the output of the command, and warnings are notes there.
+    with warnings.catch_warnings(), redirect_stdout(sys.stderr):
+        warnings.simplefilter("ignore", ScenarioWarning)
+        return {file: _played(file, reading) for file in files}
 
 
 def run_briefly(file: str, reading: ReadOptions) -> tuple[Problem, ...]:
@@ -261,7 +201,7 @@ def _played(file: str, reading: ReadOptions) -> Played:
         return Played(notes=run_briefly(file, reading))
     except (IrsimGymError, OSError) as error:
         return Played("\n".join([str(error), *getattr(error, "__notes__", ())]))
-    except Exception as error:
+    except (Exception, SystemExit) as error:
         frames = traceback.extract_tb(error.__traceback__)
         own = [frame for frame in frames if not frame.filename.startswith(PACKAGE)] or frames
         lines = traceback.format_exception_only(error)
@@ -272,26 +212,3 @@ def _played(file: str, reading: ReadOptions) -> Played:
 
 def _indented(line: str) -> str:
     return f"  {line.rstrip()}"
-
-
-def main(folder: Path) -> None:
-    """Run the files of the plan in a folder, and write a line with what came of each file to ``results``."""
-    signal.signal(signal.SIGINT, signal.SIG_DFL)  # the parent process reports Ctrl-C
-    os.dup2(2, 1)  # output of behaviours does not belong to the output of the command
-    plan = json.loads((folder / "plan").read_text(encoding="utf-8"))
-    reading = ReadOptions(**plan["reading"])
-    warnings.simplefilter("ignore", ScenarioWarning)  # the parent process reports them as notes
-    with (
-        (folder / "crash").open("w", encoding="utf-8") as crash,
-        (folder / "results").open("w", encoding="utf-8") as results,
-    ):
-        faulthandler.enable(crash, all_threads=False)
-        from irsim_gym.base.imports import import_modules
-
-        import_modules(list(reading.modules))
-        for file in plan["files"]:
-            print(json.dumps([file, asdict(_played(file, reading))]), file=results, flush=True)
-
-
-if __name__ == "__main__":
-    main(Path(sys.argv[1]))

@@ -27,7 +27,6 @@ from irsim_gym.envs.parts.action_masks import ActionMasks
 from irsim_gym.envs.parts.infos import Infos
 from irsim_gym.envs.parts.level_options import checked_choice, read_options
 from irsim_gym.envs.parts.limits import agreed_limit
-from irsim_gym.envs.parts.memory import check_memory
 from irsim_gym.envs.parts.mirror import Mirror, mirror_of
 from irsim_gym.envs.parts.pictures import Pictures
 from irsim_gym.envs.parts.spaces import Observation, action_space, observation_layout, observation_space
@@ -87,7 +86,6 @@ class Worlds:
         self.scenario = _loaded(scenario, parameters or {}, strict)
         self.task = load_task(self.scenario, task, agreed_limit(max_steps, outer_limit), team=team)
         check_worlds(n_worlds, worlds_are)
-        check_memory(lambda count: Episodes(self._compiled(count, 1), self.task), n_worlds)
         self.simulation = self._compiled(n_worlds, num_threads)
         self.episodes = Episodes(self.simulation, self.task)
         self.infos = Infos(self.episodes)

@@ -16,7 +16,6 @@ from irsim_gym.envs.parts.level_options import fresh_level
 from irsim_gym.envs.parts.limits import ScenarioSpec
 from irsim_gym.envs.parts.spaces import Observation
 from irsim_gym.envs.sb3.base import NativeVecEnv, checked_mode
-from irsim_gym.envs.sb3.keywords import refuse_for_singles
 
 
 def make_vec_env(
@@ -51,9 +50,8 @@ def make_vec_env(
         **parameters: Values for the scenario's parameters.
 
     Raises:
-        IrsimGymError: A batch does not support an argument; the message names what does.
+        UnknownKeywordError: A batch does not take an argument; the message names what does.
     """
-    refuse_for_singles(parameters)
     asked = {"task": task, "max_steps": max_steps, "max_episode_steps": max_episode_steps, **parameters}
     shown: dict[str, Any] = {"render_mode": checked_mode(render_mode), "strict": strict}
     named: dict[str, Any] = {"parameters": parameters, "worlds_are": "n_envs"}

@@ -140,7 +140,7 @@ class SequenceTable:
         ends = np.cumsum(self.lengths[order])
         n_rows = int(self.lengths.sum())
         n_parts = 1 if batch_size is None else max(1, -(-n_rows // batch_size))
-        limits = np.searchsorted(ends, np.arange(1, n_parts) * n_rows / n_parts)
+        limits = np.searchsorted(ends, np.arange(1, n_parts) * n_rows / n_parts, side="right")
         for part in np.split(order, limits):
             if not len(part):
                 continue

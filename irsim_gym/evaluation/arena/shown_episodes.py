@@ -8,13 +8,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from irsim_gym.base.arraytypes import Ints
-from irsim_gym.envs.gymnasium.replays import agent_values
-from irsim_gym.envs.parts.pictures import make_renderer, world_status
+from irsim_gym.envs.parts.pictures import make_renderer
 from irsim_gym.evaluation.arena.board import Board
+from irsim_gym.evaluation.comparison.players import Players
+from irsim_gym.evaluation.comparison.record import recorded_episode
 from irsim_gym.evaluation.policies.perception import Perceived
 from irsim_gym.evaluation.policies.policy import Policy
-from irsim_gym.evaluation.protocol.protocol import drive
 from irsim_gym.tasks import Episodes, Outcome
 
 if TYPE_CHECKING:
@@ -77,53 +76,6 @@ def _by_level(chosen: Mapping[ShownEpisode, None]) -> list[ShownEpisode]:
     return sorted(chosen, key=lambda episode: (episode.level, episode.policy))
 
 
-class EpisodeLog:
-    """Records all episodes that are played: a `Watcher`.
-
-    Attributes:
-        policy: Name of the policy that plays.
-    """
-
-    def __init__(self, episodes: Episodes, split: str) -> None:
-        self._renderer = make_renderer(episodes.simulation)
-        self._split, self.policy = split, ""
-        self._recordings: dict[int, Recording] = {}
-
-    def began(self, episodes: Episodes, worlds: Ints, indices: Ints) -> None:
-        """Begin recordings."""
-        from irsim_gym.rendering.replay.replay_data import Recording
-
-        levels = episodes.view.infos["level"][worlds, 0].tolist()
-        for world, level in zip(worlds.tolist(), levels, strict=True):
-            self._renderer.clear(world)
-            details = {"policy": self.policy, "level": f"{level} ({self._split})"}
-            self._recordings[world] = Recording(episodes.simulation.scenario, episodes.agent_names, details)
-        self.stepped(episodes, worlds)
-
-    def stepped(self, episodes: Episodes, worlds: Ints) -> None:
-        """Record the present moment."""
-        state = episodes.simulation.state
-        for world in worlds.tolist():
-            scene = self._renderer.scene(world, world_status(episodes, world))
-            self._recordings[world].note(scene, state.pose[world], agent_values(episodes, world))
-        self._renderer.trails.record(worlds, state.step[worlds], state.pose[worlds])
-
-    def ended(self, episodes: Episodes, worlds: Ints, indices: Ints) -> None:
-        """Name the recordings."""
-        levels = episodes.view.infos["level"][worlds, 0].tolist()
-        for world, level in zip(worlds.tolist(), levels, strict=True):
-            status, time = world_status(episodes, world), float(episodes.simulation.state.time[world])
-            self._recordings[world].name = f"{self.policy}, level {level}: {status.replace('_', ' ')}, {time:.1f} s"
-
-    def take(self, world: int) -> Recording:
-        """Return the recording of an episode that has ended, and remove it from the log."""
-        return self._recordings.pop(world)
-
-    def close(self) -> None:
-        """Close the renderer."""
-        self._renderer.close()
-
-
 def record_episodes(
     board: Board, policies: Sequence[Policy], worlds: Perceived, split: str, chosen: Sequence[ShownEpisode]
 ) -> Iterator[tuple[ShownEpisode, Recording | None]]:
@@ -132,22 +84,18 @@ def record_episodes(
     Args:
         policies: The policies, in the order of the board.
     """
-    log = EpisodeLog(worlds.episodes, split)
-    for policy in sorted({shown.policy for shown in chosen}):
-        mine = [shown for shown in chosen if shown.policy == policy]
-        log.policy = board.policies[policy]
-        levels = board.levels[[shown.level for shown in mine]].tolist()
-        episodes = worlds.of(policies[policy])
-        for indices, ended, _ in drive(policies[policy], episodes, levels, split, log):
-            for index, world in zip(indices, ended, strict=True):
-                recording = log.take(world)
-                yield mine[index], recording if _ended_alike(board, episodes, world, mine[index]) else None
-    log.close()
+    renderer = make_renderer(worlds.episodes.simulation)
+    for shown in chosen:
+        policy = policies[shown.policy]
+        player = Players([worlds.of(policy)], [policy], [board.policies[shown.policy]], renderer, split)
+        recording = recorded_episode(player, 0, int(board.levels[shown.level]))
+        yield shown, recording if _ended_alike(board, player.episodes[0], shown) else None
+    renderer.close()
 
 
-def _ended_alike(board: Board, episodes: Episodes, world: int, shown: ShownEpisode) -> bool:
-    """Return whether an episode ended as on the board; it may not if its policy acts at random."""
+def _ended_alike(board: Board, episodes: Episodes, shown: ShownEpisode) -> bool:
+    """Return whether the episode of the first world ended as on the board; it may not if its policy acts at random."""
     infos = episodes.view.infos
-    arrived = int((infos["outcome"][world] == Outcome.SUCCESS).sum())
+    arrived = int((infos["outcome"][0] == Outcome.SUCCESS).sum())
     same = arrived == board.arrived[shown.policy, shown.level]
-    return bool(same and infos["steps"][world].max() == board.steps[shown.policy, shown.level])
+    return bool(same and infos["steps"][0].max() == board.steps[shown.policy, shown.level])

@@ -74,12 +74,12 @@ def _recordings(cast: Players, levels: Sequence[int]) -> list[Recording]:
     """Return a recording of each level and policy, and show the progress."""
     pairs = [(w, level) for level in levels for w in range(len(cast.policies))]
     with progress_bar() as bar:
-        made = [_recorded(cast, w, level) for w, level in bar.track(pairs, description="recording")]
+        made = [recorded_episode(cast, w, level) for w, level in bar.track(pairs, description="recording")]
     cast.renderer.close()
     return made
 
 
-def _recorded(cast: Players, world: int, level: int) -> Recording:
+def recorded_episode(cast: Players, world: int, level: int) -> Recording:
     """Play a level, and return its recording."""
     from irsim_gym.rendering.replay.replay_data import Recording
 

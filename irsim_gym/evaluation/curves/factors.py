@@ -1,13 +1,17 @@
 """The grid of disturbances and strengths, from ``factors.json``."""
 
+import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
 from irsim_gym.base import families
-from irsim_gym.base.errors import UnknownNameError, suggestion
+from irsim_gym.base.errors import IrsimGymError, UnknownNameError, suggestion
 from irsim_gym.base.families import DISTURBANCES
 from irsim_gym.base.outside_files import json_object
+from irsim_gym.scenario import Scenario
+from irsim_gym.scenario.reading.perturbations import read_perturbations
 
 GRID = Path(__file__).with_name("factors.json")
 """Factors by name, see ``Factor``."""
@@ -66,6 +70,26 @@ def chosen_factors(names: Sequence[str] | None) -> list[Factor]:
             known = [factor.name for factor in factors]
             raise UnknownNameError(f"no factor named '{name}'{suggestion(name, known)}; factors: {', '.join(known)}")
     return [factor for factor in factors if names is None or factor.names & set(names)]
+
+
+def disturbed(base: Scenario, agents: Sequence[int], disturbances: str, noise: float) -> Scenario:
+    """Return a scenario whose learners have disturbances, and noise of their ranges [m] besides their own.
+
+    Raises:
+        IrsimGymError: If the disturbances cannot be read, or a learner has no sensor with noise.
+    """
+    bodies = list(base.bodies)
+    for b in agents if noise else ():
+        sensors = [_noisy(sensor, noise) if hasattr(sensor, "angle_std") else sensor for sensor in bodies[b].sensors]
+        bodies[b] = replace(bodies[b], sensors=tuple(sensors))
+        if bodies[b] == base.bodies[b]:
+            raise IrsimGymError(f"{bodies[b].name} has no sensor with noise")
+    return replace(base, bodies=tuple(bodies), disturbances=read_perturbations(disturbances))
+
+
+def _noisy(sensor: Any, std: float) -> Any:
+    own = sensor.noise * sensor.std
+    return replace(sensor, noise=True, std=math.hypot(own, std), angle_std=sensor.noise * sensor.angle_std)
 
 
 def _kind(text: str) -> str:

@@ -17,21 +17,26 @@ from irsim_gym.base.version import __version__
 from irsim_gym.envs.gymnasium.worlds import ScenarioSource, TaskSource
 from irsim_gym.evaluation.comparison.comparison import sources_of
 from irsim_gym.evaluation.comparison.evaluate import WORLDS, play, prepare
-from irsim_gym.evaluation.curves.factors import Factor, chosen_factors
+from irsim_gym.evaluation.curves.factors import Factor, chosen_factors, disturbed
 from irsim_gym.evaluation.measures.metrics import Rate
 from irsim_gym.evaluation.measures.optimum import Optima
 from irsim_gym.evaluation.policies.perception import Perceived
 from irsim_gym.evaluation.policies.policy import Policy
-from irsim_gym.evaluation.protocol.tables import interval, number, percent, write_csv, write_json, write_text
+from irsim_gym.evaluation.protocol.tables import (
+    interval,
+    markdown_table,
+    number,
+    percent,
+    write_csv,
+    write_json,
+    write_text,
+)
 from irsim_gym.evaluation.requests.machine import machine
 from irsim_gym.evaluation.requests.methods import Sources, by_method, names_of_policies
 from irsim_gym.evaluation.requests.scenario_request import ScenarioRequest
 from irsim_gym.evaluation.saved_policies.policies import Source, policy_digest
 from irsim_gym.evaluation.saved_policies.snapshot import snapshot_of
-from irsim_gym.evaluation.suite.suite_tables import markdown_table
-from irsim_gym.scenario import Scenario
 from irsim_gym.scenario.reading.parameters import PERTURBED
-from irsim_gym.scenario.reading.perturbations import read_perturbations
 from irsim_gym.tasks import Episodes
 
 RECORD = "robustness.json"
@@ -130,7 +135,7 @@ class Robustness:
             cell = f"{percent(row.success)} ({interval(row.success)}); {percent(row.collision)}"
             rows.setdefault(row.label, ["-"] * len(self.policies))[self.policies.index(row.policy)] = cell
         lost = [
-            [f"{factor} [{unit}]", *(self._lost_text(factor, policy) for policy in self.policies)]
+            [f"{factor} [{unit}]", *(self.lost_text(factor, policy) for policy in self.policies)]
             for factor, unit in self.factors.items()
         ]
         weak = [row for row in self.rows if not row.strength and 100.0 * row.success.value < LOW]
@@ -140,14 +145,18 @@ class Robustness:
         every = markdown_table(EVERY, [], heads, [[label, *cells] for label, cells in rows.items()])
         return f"{markdown_table(title, notes, heads, lost)}\n{every}"
 
-    def _lost_text(self, factor: str, policy: str) -> str:
+    def lost_text(self, factor: str, policy: str) -> str:
+        """Return ``lost_at`` for a table: ``0.24``, ``> 0.5`` beyond the strengths played, or ``-`` where it is NaN."""
         found = self.lost_at(factor, policy)
         return f"> {self.curve(factor, policy)[-1].strength:g}" if math.isinf(found) else number(found, 2)
 
     def write(self, folder: Path) -> None:
         """Write ``robustness.json``, ``.csv`` and ``.md`` into ``folder``; in JSON, infinite numbers are null."""
         file = folder / RECORD
-        lost = {name: {factor: self.lost_at(factor, name) for factor in self.factors} for name in self.policies}
+        lost = {
+            name: {one: self.lost_at(one, name) for one in self.factors if not math.isnan(self.lost_at(one, name))}
+            for name in self.policies
+        }
         write_json(file, {**asdict(self), "lost_5_points_at": lost, "machine": machine()})
         rows = [
             {**vars(row), **vars(row.success), "success": row.success.value, "collision": row.collision.value}
@@ -224,8 +233,8 @@ def _play(
     base, of, noise = before.simulation.scenario, record.played, factor.noise * strength
     text = "; ".join(filter(None, (str(base.parameters.get(PERTURBED, "")), factor.text(strength))))
     try:
-        disturbed = _disturbed(base, before.task.agents, read_perturbations(text), noise)
-        worlds = Perceived(replace(request, scenario=disturbed, parameters=None).episodes(before.n_worlds))
+        scenario = disturbed(base, before.task.agents, text, noise)
+        worlds = Perceived(replace(request, scenario=scenario, parameters=None).episodes(before.n_worlds))
     except IrsimGymError as problem:
         record.left_out[factor.name] = str(problem).splitlines()[-1].strip()
         return
@@ -262,22 +271,6 @@ def _begun(played: dict[str, Any], folder: Path | None, overwrite: bool) -> Robu
     if changed:
         raise IrsimGymError(f"{folder} holds rows of before a change: {'; '.join(changed)}. {CURE}")
     return Robustness({**before.played, **played}, before.rows)
-
-
-def _disturbed(base: Scenario, agents: Sequence[int], disturbances: tuple[Any, ...], noise: float) -> Scenario:
-    """Return a scenario whose learners have disturbances, and noise of their ranges [m] besides their own."""
-    bodies = list(base.bodies)
-    for b in agents if noise else ():
-        sensors = [_noisy(sensor, noise) if hasattr(sensor, "angle_std") else sensor for sensor in bodies[b].sensors]
-        bodies[b] = replace(bodies[b], sensors=tuple(sensors))
-        if bodies[b] == base.bodies[b]:
-            raise IrsimGymError(f"{bodies[b].name} has no sensor with noise")
-    return replace(base, bodies=tuple(bodies), disturbances=disturbances)
-
-
-def _noisy(sensor: Any, std: float) -> Any:
-    own = sensor.noise * sensor.std
-    return replace(sensor, noise=True, std=math.hypot(own, std), angle_std=sensor.noise * sensor.angle_std)
 
 
 def _draw(record: Robustness, folder: Path) -> None:

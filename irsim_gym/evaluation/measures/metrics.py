@@ -184,6 +184,7 @@ class SharedFigures:
             only one goal.
         end_distance: Mean true distance from the goal at the end [m], over successes and misplaced ones.
         shield: Mean share of steps in which the shield changed the command; NaN without one.
+        goals_per_collision: Number of reached goals for each collision, without unit; infinite without any.
     """
 
     policy: str
@@ -206,6 +207,7 @@ class SharedFigures:
     throughput: float = math.nan
     end_distance: float = math.nan
     shield: float = math.nan
+    goals_per_collision: float = math.nan
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -221,11 +223,6 @@ class Summary(SharedFigures):
     episodes: int
     success: Rate
     time: float
-
-    @property
-    def goals_per_collision(self) -> float:
-        """Number of reached goals for each collision, without unit; infinite without any."""
-        return self.success.count / self.collision.count if self.collision.count else math.inf
 
 
 def summarize(policy: str, rows: Sequence[EpisodeRow]) -> Summary:
@@ -256,6 +253,9 @@ def means(rows: Sequence[EpisodeRow]) -> dict[str, Any]:
     successes = [row for row in rows if row.outcome == "success"]
     of_all = {name: mean([getattr(row, name) for row in rows]) for name in MEANS}
     of_all["end_distance"] = mean([row.goal_distance for row in rows if row.outcome in ARRIVALS])
+    goals = math.fsum(row.is_success if math.isnan(row.goals_reached) else row.goals_reached for row in rows)
+    collisions = sum(row.outcome == "collision" for row in rows)
+    of_all["goals_per_collision"] = goals / collisions if collisions else math.inf
     return of_all | {name: mean([getattr(row, name) for row in successes]) for name in MEANS_OF_SUCCESSES}
 
 

@@ -252,6 +252,18 @@ def number(value: float, digits: int) -> str:
     return f"{value:.{digits}f}" if math.isfinite(value) else "-"
 
 
+def markdown_table(title: str, notes: Sequence[str], heads: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
+    """Return a table with its heading and notes; the first column holds text."""
+    lines = [f"### {title}", "", *(line for note in notes for line in (note, ""))]
+    if rows:
+        lines += [_markdown_line(heads), "|---" + "|---:" * (len(heads) - 1) + "|"]
+    return "\n".join([*lines, *map(_markdown_line, rows), ""])
+
+
+def _markdown_line(cells: Sequence[str]) -> str:
+    return "| " + " | ".join(cell.replace("|", r"\|") for cell in cells) + " |"
+
+
 _READERS: Mapping[type, Callable[[str], object]] = MappingProxyType(
     {
         int: int,

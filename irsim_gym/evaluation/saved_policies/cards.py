@@ -1,11 +1,16 @@
 """Policy cards: a policy's inputs and outputs, its training, and its results."""
 
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from pydantic import BaseModel, ConfigDict
+from pydantic import BaseModel, ConfigDict, Field
 
-from irsim_gym.base.outside_files import reading
+from irsim_gym.base.outside_files import json_object, reading
+from irsim_gym.scenario.reading.parameters import PERTURBED
+
+CURVES = "robustness"
+"""Folder beside policies with records of ``irsim-gym robustness``, which cards are completed with."""
 
 
 class _Fixed(BaseModel):
@@ -158,6 +163,21 @@ class CardResult(_Fixed):
     scenario: str | None = None
 
 
+class CardCurve(_Fixed):
+    """The strength of a disturbance that costs 5 points of success in the scenario of the training."""
+
+    model_config = ConfigDict(populate_by_name=True)
+
+    unit: str = Field(description="Unit of the strengths.")
+    lost_at: float | None = Field(alias="5 points lost at", description="None if all strengths cost less.")
+    played_to: float = Field(description="Greatest strength that was played.")
+    levels: int = Field(description="Number of levels.")
+    split: str
+
+    def __str__(self) -> str:
+        return f"{f'> {self.played_to:g}' if self.lost_at is None else f'{self.lost_at:.2g}'} {self.unit}"
+
+
 class PolicyCard(_Fixed):
     """Description of a shipped policy.
 
@@ -174,6 +194,7 @@ class PolicyCard(_Fixed):
         sha256: Hash of the file.
         size: Size of the file [bytes].
         exported_by: Version of irsim_gym that wrote the file.
+        robustness: Its curves by factor, from the records in the folder ``robustness`` beside it.
     """
 
     name: str
@@ -188,6 +209,7 @@ class PolicyCard(_Fixed):
     sha256: str
     size: int
     exported_by: str
+    robustness: dict[str, CardCurve] = {}
 
 
 def card_file(policy: Path) -> Path:
@@ -199,10 +221,29 @@ def read_card(policy: Path) -> PolicyCard | None:
     """Return the card of a policy file; None if it has none.
 
     Raises:
-        IrsimGymError: If the file is not a valid card.
+        IrsimGymError: If the file is not a valid card, or a record beside it is broken.
     """
     file = card_file(policy)
     if not file.is_file():
         return None
     with reading(file, "policy card"):
-        return PolicyCard.model_validate_json(file.read_bytes())
+        card = PolicyCard.model_validate_json(file.read_bytes())
+    curves = dict[str, CardCurve]()
+    for record in sorted((policy.parent / CURVES).glob("*.json")):
+        with reading(record, "record of robustness"):
+            curves |= _curves(json_object(record), card)
+    return card.model_copy(update={"robustness": curves}) if curves else card
+
+
+def _curves(record: Mapping[str, Any], card: PolicyCard) -> dict[str, CardCurve]:
+    """Return the curves that a record has of a policy, in the undisturbed scenario of its training."""
+    played, curves = record["played"], dict[str, CardCurve]()
+    name, _, parameters = played["scenario"].partition(" (")
+    if name != card.scenario.name or PERTURBED in parameters:
+        return curves
+    for row in record["rows"]:
+        lost, factor = record["lost_5_points_at"][row["policy"]], row["factor"]
+        if played[f"policy {row['policy']}"] == card.sha256 and factor in lost:
+            known = {"levels": played["levels"], "split": played["split"], "played_to": row["strength"]}
+            curves[factor] = CardCurve(unit=row["unit"], lost_at=lost[factor], **known)
+    return curves

@@ -39,12 +39,17 @@ def print_card(policy: str, *, as_json: bool = False) -> None:
     """
     file = Path(policy) if Path(policy).suffix == SUFFIX else shelf_file(policy)
     card = _card(file)
-    print(card.model_dump_json(indent=2) if as_json else "\n".join([*_lines(card), f"file: {file}"]))
+    print(card.model_dump_json(indent=2, by_alias=True) if as_json else "\n".join([*_lines(card), f"file: {file}"]))
 
 
 def percent(share: CardShare) -> str:
     """Return a share with its interval, in percent."""
     return f"{100 * share.value:.1f} [{100 * share.low:.1f}, {100 * share.high:.1f}]"
+
+
+def curves_text(curves: Mapping[str, object]) -> str:
+    """Return at which strength of each disturbance 5 points are lost: ``latency 0.2 s, slip > 20 %``."""
+    return ", ".join(f"{factor} {curve}" for factor, curve in curves.items())
 
 
 def _card(file: Path) -> PolicyCard:
@@ -72,6 +77,7 @@ def _lines(card: PolicyCard) -> list[str]:
         f"training: {training.steps:,} steps, {training.cpu_seconds:.0f} s of CPU time, "
         f"{training.training_seconds:.0f} s on a clock; {machine['processor']}, {_versions(machine['versions'])}",
         *(f"success: {_told(result)}" for result in card.results),
+        *([f"5 points of success are lost at: {curves_text(card.robustness)}"] if card.robustness else []),
         *(f"weakness: {sentence}" for sentence in card.weaknesses),
     ]
 

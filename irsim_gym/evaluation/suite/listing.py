@@ -43,6 +43,7 @@ def reference_figures() -> Mapping[str, Any]:
 
 def _lines(member: Member, one: str) -> list[str]:
     given = "".join(f", {name}={value}" for name, value in member.parameters.items())
+    given += f", disturbed by the factor {member.disturbed} of robustness" if member.disturbed else ""
     rows = reference_figures().get(member.name, {})
     figures = ", ".join(f"{name} {100.0 * row['success']['value']:.1f} %" for name, row in rows.items())
     texts = [member.asks, f"{one}{given}", *([f"success: {figures}"] if figures else [])]

@@ -8,6 +8,8 @@ from types import MappingProxyType
 from typing import Any
 
 from irsim_gym.base.errors import UnknownNameError, suggestion
+from irsim_gym.base.outside_files import json_object
+from irsim_gym.evaluation.curves.factors import GRID, chosen_factors
 from irsim_gym.scenario.checking.validation import Report
 from irsim_gym.scenario.specs.library import every_scenario, suite_file
 from irsim_gym.scenario.text.messages import show
@@ -19,6 +21,7 @@ KEYS: Mapping[str, tuple[str, Callable[[Any], bool]]] = MappingProxyType(
         "asks": ("text", lambda value: isinstance(value, str)),
         "scenario": ("text", lambda value: isinstance(value, str)),
         "parameters": ("a mapping of values by name", lambda value: isinstance(value, Mapping)),
+        "disturbed": ("a factor of `irsim-gym robustness`", lambda value: value in list(json_object(GRID))),
         "team": ("true or false", lambda value: isinstance(value, bool)),
         "levels": ("a whole number > 0", lambda value: type(value) is int and value > 0),
         "differs": ("text", lambda value: isinstance(value, str)),
@@ -36,6 +39,7 @@ class Member:
         asks: What it asks of a policy.
         scenario: Name of its shipped scenario.
         parameters: Values of the scenario's parameters.
+        disturbed: Factor of ``irsim_gym.evaluation.robustness`` that acts at its greatest strength; empty for none.
         team: Whether the policy drives all robots, or only one.
         levels: Number of different levels; None if it is unlimited.
         differs: Differences from the benchmark that it reproduces; empty for our own.
@@ -45,9 +49,16 @@ class Member:
     asks: str
     scenario: str
     parameters: Mapping[str, Any] = field(default_factory=dict)
+    disturbed: str = ""
     team: bool = False
     levels: int | None = None
     differs: str = ""
+
+    @property
+    def disturbances(self) -> tuple[str, float]:
+        """Of a disturbed benchmark: disturbances as ``--perturb`` takes them, and the noise of ranges [m]."""
+        factor = chosen_factors([self.disturbed])[0]
+        return factor.text(factor.strengths[-1]), factor.noise * factor.strengths[-1]
 
     def levels_of(self, asked: int) -> int:
         """Return the number of levels to play if ``asked`` are requested: at most as many as the benchmark has."""

@@ -12,6 +12,8 @@ from rich.progress import Progress, TaskID
 from irsim_gym.base.errors import IrsimGymError
 from irsim_gym.base.outside_files import reading, remove
 from irsim_gym.evaluation.comparison.evaluate import WORLDS
+from irsim_gym.evaluation.curves.factors import disturbed
+from irsim_gym.evaluation.curves.robustness import robustness
 from irsim_gym.evaluation.levels.played import played_levels
 from irsim_gym.evaluation.measures.optimum import Optima
 from irsim_gym.evaluation.policies.behavior_policies import UnfitBehaviorError
@@ -21,14 +23,18 @@ from irsim_gym.evaluation.protocol.tables import plain
 from irsim_gym.evaluation.protocol.teams import evaluate_team
 from irsim_gym.evaluation.requests.episode_setup import make_episodes, team_conditions
 from irsim_gym.evaluation.requests.folders import as_name
-from irsim_gym.evaluation.requests.methods import ComparedMethod
+from irsim_gym.evaluation.requests.methods import ComparedMethod, names_of_policies
 from irsim_gym.evaluation.saved_policies.policies import UnfitPolicyError, load_policy
 from irsim_gym.evaluation.suite.members import Member
 from irsim_gym.evaluation.suite.row_files import write_rows
 from irsim_gym.evaluation.suite.scores import score_suite
 from irsim_gym.evaluation.suite.suite_record import RECORD, ROWS, SUMMARY, SuiteRecord, read_record
 from irsim_gym.scenario.specs.library import configs_folder
+from irsim_gym.tasks import Episodes
 from irsim_gym.tasks.episodes.levels import check_split
+
+LATENCY = "latency"
+"""Folder of the curves over the latency, one for each benchmark."""
 
 
 def play_suite(
@@ -38,6 +44,7 @@ def play_suite(
     *,
     levels: int = 1000,
     split: str = "test",
+    latency: bool = False,
     overwrite: bool = False,
 ) -> SuiteRecord:
     """Play what has not been played yet, score all results, and return the folder's record.
@@ -48,6 +55,7 @@ def play_suite(
     Args:
         folder: Folder of rows and summary. Existing results are kept and not played again.
         levels: Number of levels of each benchmark, from level 0.
+        latency: Also look for the latency that, with no other disturbance, costs 5 points of success.
         overwrite: Remove existing results first.
 
     Raises:
@@ -62,6 +70,8 @@ def play_suite(
             missing = [m for m in methods if len(record.done(member.name, m.name)) < len(m.sources)]
             if missing:
                 _play_member(member, missing, record, folder, screen, bar)
+    for member in members if latency else ():
+        _play_latency(member, methods, record, folder)
     with reading(folder / SUMMARY, RECORD):
         score_suite(record, folder)
     record.write(folder)
@@ -77,6 +87,7 @@ def _begin(folder: Path, levels: int, split: str, overwrite: bool) -> SuiteRecor
     record = read_record(folder)
     if overwrite:
         remove(folder / ROWS)
+        remove(folder / LATENCY)
         return SuiteRecord(split, levels)
     if (record.split, record.levels) != (split, levels):
         raise IrsimGymError(
@@ -91,8 +102,7 @@ def _play_member(
 ) -> None:
     """Play one benchmark with the given methods."""
     levels = member.levels_of(record.levels)
-    chosen: dict[str, Any] = {"parameters": dict(member.parameters), "team": member.team}
-    episodes = make_episodes(member.scenario, n_worlds=min(WORLDS, levels), **chosen)
+    episodes = _episodes(member, min(WORLDS, levels))
     conditions = team_conditions(episodes, record.split, levels)
     conditions |= played_levels(episodes.simulation, record.split, levels).conditions()
     record.members[member.name]["conditions"] = plain(conditions)
@@ -109,6 +119,28 @@ def _play_member(
             if not screen.is_terminal:
                 said = done[-1].get("left_out") or f"{levels:,} levels in {done[-1]['seconds']:.1f} s"
                 screen.print(f"{label}: {said}", markup=False, highlight=False, soft_wrap=True)
+
+
+def _episodes(member: Member, n_worlds: int) -> Episodes:
+    chosen: dict[str, Any] = {"n_worlds": n_worlds, "team": member.team}
+    episodes = make_episodes(member.scenario, parameters=dict(member.parameters), **chosen)
+    if not member.disturbed:
+        return episodes
+    scenario = disturbed(episodes.simulation.scenario, episodes.task.agents, *member.disturbances)
+    return make_episodes(scenario, **chosen)
+
+
+def _play_latency(member: Member, methods: Sequence[ComparedMethod], record: SuiteRecord, folder: Path) -> None:
+    """Note for each policy which latency costs 5 points of success in a benchmark without other disturbances."""
+    fit = {m.name: m.sources for m in methods if all("file" in entry for entry in record.done(member.name, m.name))}
+    if not fit:
+        return
+    chosen: dict[str, Any] = {"factors": ["latency"], "split": record.split, "folder": folder / LATENCY / member.name}
+    chosen |= {"parameters": member.parameters, "team": member.team, "levels": member.levels_of(record.levels)}
+    curves = robustness(member.scenario, fit, **chosen)
+    for method, names in names_of_policies(fit).items():
+        for entry, name in zip(record.done(member.name, method), names, strict=True):
+            entry["latency_at_loss"] = curves.lost_text("latency", name)
 
 
 def _play_policy(

@@ -105,4 +105,5 @@ def _note(known: dict[str, Any], now: Mapping[str, Any], what: str) -> list[str]
 def _scenario(member: Member) -> dict[str, object]:
     digest = take_snapshot(member.scenario, None, member.parameters).digest
     own = {"scenario": member.scenario, "parameters": dict(member.parameters), "team": member.team}
-    return {**own, "differs": member.differs, "sha256": digest}
+    more = {"disturbed": member.disturbances[0]} if member.disturbed else {}
+    return {**own, **more, "differs": member.differs, "sha256": digest}

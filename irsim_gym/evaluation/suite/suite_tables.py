@@ -7,6 +7,7 @@ from typing import Any
 from irsim_gym.base import families
 from irsim_gym.base.families import OBSERVATIONS
 from irsim_gym.base.outside_files import json_object
+from irsim_gym.evaluation.protocol.tables import markdown_table
 from irsim_gym.evaluation.suite.suite_record import SuiteRecord
 from irsim_gym.tasks.terms.term import needs_of
 
@@ -14,7 +15,8 @@ DASH = "-"
 COLUMNS = Path(__file__).with_name("columns.json")
 """Columns of the table of a benchmark: ``head``, ``place`` of the figure (nested keys), ``digits`` (none for a share).
 
-Some hold the ``interval`` of an estimate, are for a ``team`` alone, or are left out if nothing is ``occurring``."""
+Some hold ``text`` or the ``interval`` of an estimate, are for a ``team`` alone, or are left out if nothing is
+``occurring``."""
 
 Figures = Mapping[str, Any]
 """Figures of a method as ``scores`` computes them, as plain data with None in place of NaN."""
@@ -43,6 +45,7 @@ def conditions_line(member: Mapping[str, Any]) -> str:
         _sensor(of),
         *([f"{_each_value(of['goals'], str)} goals each, one after another"] if of.get("goals", 1) != 1 else []),
         *(["noisy motion"] if of["motion_noise"] not in (False, None) else []),
+        *([f"disturbed by `{member['disturbed']}`"] if "disturbed" in member else []),
         f"scenario {member['sha256'][:12]}, level set {of['level_hash']}",
     ]
     given = ", ".join(f"{name} = {value}" for name, value in member["parameters"].items())
@@ -107,6 +110,8 @@ def _cells(column: Mapping[str, Any], scores: Sequence[Figures]) -> list[str]:
         values = [(value or {}).get(key) for value in values]
     if "occurring" in column and not any(values):
         return [DASH] * len(values)
+    if "text" in column:
+        return [value or DASH for value in values]
     if "interval" in column:
         return [_interval(value) for value in values]
     return [_number(value, column["digits"]) if "digits" in column else _percent(value) for value in values]
@@ -137,18 +142,6 @@ def _notes(record: SuiteRecord, name: str) -> list[str]:
     }
     notes += [f"Without {method}: {reason}." for method, reason in left.items()]
     return [note for note in notes if note]
-
-
-def markdown_table(title: str, notes: Sequence[str], heads: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
-    """Return a table with its heading and notes; the first column holds text."""
-    lines = [f"### {title}", "", *(line for note in notes for line in (note, ""))]
-    if rows:
-        lines += [_line(heads), "|---" + "|---:" * (len(heads) - 1) + "|"]
-    return "\n".join([*lines, *map(_line, rows), ""])
-
-
-def _line(cells: Sequence[str]) -> str:
-    return "| " + " | ".join(cell.replace("|", r"\|") for cell in cells) + " |"
 
 
 def _sensor(of: Mapping[str, object]) -> str:

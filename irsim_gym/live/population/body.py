@@ -28,6 +28,7 @@ from irsim_gym.simulator.world.model import Model
 from irsim_gym.simulator.world.state import State
 
 STATE = ("x", "y", "heading", "steering")
+COASTS = ("x", "y", "angular")
 FLAGS = {"collision_flag": "collided", "arrive_flag": "arrived", "stop_flag": "stopped"}
 """IR-SIM's flags that scripts assign, and the fields of the state that hold them."""
 LOW, HIGH = (0.0, 0.0, -np.pi), (10.0, 10.0, np.pi)
@@ -267,14 +268,16 @@ class Body(IrSimReadings):
             init: Start with it after a reset, too.
 
         Raises:
-            ValueError: The body has no drive, there are too few or too many numbers, or one is not finite.
+            ValueError: The body never moves, there are too few or too many numbers, or one is not finite.
         """
         simulation, b = self._simulation, self._b
-        if self.spec.kinematics is None:
-            raise ValueError(f"'{self._name}' has no drive, so no velocity")
-        names = self.spec.kinematics.command_names
+        if self.static:
+            raise ValueError(f"'{self._name}' never moves, so it has no velocity")
+        names = COASTS if self.spec.kinematics is None else self.spec.kinematics.command_names
         row = _numbers(velocity, len(names), names, f"a velocity of '{self._name}'")
         simulation.state.velocity[0, b] = row[:3]
+        if (pushing := simulation.parts.pushing) is not None:
+            pushing.drive[0, b] = row[:3]
         if init:
             simulation.model.initial_velocity[b] = row[:3]
         simulation.place(np.array([b], np.int64))

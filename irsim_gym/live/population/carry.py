@@ -75,6 +75,9 @@ def _carry(old: Simulation, new: Simulation, here: Ints, there: Ints) -> None:
             rows = int(getattr(old.model, count)[0, was])
             first, target = int(getattr(old.model, start)[was]), int(getattr(new.model, start)[b])
             getattr(new.model, table)[:, target : target + rows] = getattr(old.model, table)[:, first : first + rows]
+    if old.parts.pushing is not None and new.parts.pushing is not None:
+        for name in ("drive", "felt"):
+            getattr(new.parts.pushing, name)[0, here] = getattr(old.parts.pushing, name)[0, there]
     _carry_map(old, new)
     _carry_fog(old, new)
     _carry_memories(old, new, dict(zip(here.tolist(), there.tolist(), strict=True)))

@@ -55,13 +55,21 @@ class WorldMessages:
                 ranges = np.where(report["valid"], ranges, np.where(far, np.inf, -np.inf))
             header = msgs.Header(*when, f"{body.name}/laser{f'_{k}' if k else ''}")
             scans.append(msgs.scan_message(header, sensor.options, sensor.angle_list, ranges))
-        goal, hit = body.goal, body.hit
+        goal, hit, felt = body.goal, body.hit, body.contact
         return msgs.ObjectState(
             msgs.Header(*when),
             *(body.id, body.name, body.role, body.kinematics, body.shape),
             msgs.odometry(msgs.Header(*when), f"{body.name}/base_link", body.pose, twist),
             *(scans[0] if scans else None, None if goal is None else np.array(goal)),
             *(body.static, body.arrived, body.collided, [] if hit is None else [hit.id], scans),
+            *(msgs.Vector3(*map(float, np.ravel(felt.force))), felt.contact_time, felt.air_time),
+            [
+                msgs.ContactState(
+                    *(one.other.id, one.other.name, msgs.Point(*map(float, one.point))),
+                    *(msgs.Vector3(*map(float, one.normal)), one.depth, one.force),
+                )
+                for one in felt.reports
+            ],
         )
 
     def receive_msg(

@@ -16,6 +16,7 @@ from irsim_gym.live.session.roster import Reference
 from irsim_gym.live.session.run_status import RunStatus
 from irsim_gym.live.session.session import Session
 from irsim_gym.scenario.reading.edit import add_bodies, remove_body
+from irsim_gym.simulator.readings.contact_readings import ContactRecord
 from irsim_gym.simulator.world.model import OBSTACLE, ROBOT
 
 
@@ -94,6 +95,11 @@ class Population:
     def dynamic_objects(self) -> list[Body]:
         """The bodies that can move."""
         return [body for body in self.objects if not body.static]
+
+    @property
+    def contacts(self) -> list[ContactRecord]:
+        """The contacts of the last step; none unless the world's ``collision_mode`` is ``contact``."""
+        return self.objects[0]._records() if len(self) else []
 
     def get_object_by_name(self, name: str) -> Body | None:
         """Return the body with this name, or None; ``world[name]`` raises an error instead."""

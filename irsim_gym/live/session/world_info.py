@@ -26,6 +26,10 @@ class WorldParam:
         step_mode: ``internal`` or ``external``.
         control_mode: ``auto`` or ``keyboard``.
         collision_mode: Effect of a collision.
+        gravity: Gravity [m/s2].
+        friction: Coefficient of friction of bodies without their own.
+        restitution: Restitution of bodies without their own.
+        drive_tau: Time constant of drives without their own [s].
     """
 
     time: float
@@ -35,6 +39,10 @@ class WorldParam:
     step_mode: str
     control_mode: str
     collision_mode: str
+    gravity: float
+    friction: float
+    restitution: float
+    drive_tau: float
 
     if not TYPE_CHECKING:
 
@@ -154,7 +162,8 @@ class WorldInfo:
         """Present clock and modes, in one record."""
         world = self._scenario.world
         modes = self.step_mode, self._status.control_mode, world.collision_mode
-        return WorldParam(self.time, self.count, self.step_time, world.sample_time, *modes)
+        matter = world.gravity, world.friction, world.restitution, world.drive_tau
+        return WorldParam(self.time, self.count, self.step_time, world.sample_time, *modes, *matter)
 
     @property
     def x_range(self) -> tuple[float, float]:

@@ -6,7 +6,8 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 from irsim_gym.base.arraytypes import Bytes
-from irsim_gym.rendering.controls.keyboard import open_keyboard
+from irsim_gym.rendering.controls.keyboard import Keyboard
+from irsim_gym.rendering.controls.keys_window import WindowKeys
 from irsim_gym.rendering.controls.mouse import Mouse
 
 if TYPE_CHECKING:
@@ -30,7 +31,7 @@ class Driver:
         from irsim_gym.rendering.windows.window import Window
 
         self.window = Window(picture.shape[1], picture.shape[0], title)
-        self.keyboard = open_keyboard(gui.keyboard, self.window)
+        self.keyboard = Keyboard(gui.keyboard, WindowKeys(self.window))
         self.mouse = Mouse(self.window, gui.mouse.zoom_factor, seen)
         self.picture = picture
         self.show(picture)
@@ -67,6 +68,5 @@ class Driver:
             look_at(limits)
 
     def close(self) -> None:
-        """Close the window and stop listening. Calling it again has no effect."""
-        self.keyboard.close()
+        """Close the window. Calling it again has no effect."""
         self.window.close()

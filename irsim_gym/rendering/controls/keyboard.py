@@ -5,18 +5,14 @@ from __future__ import annotations
 import time
 import warnings
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from irsim_gym.base.arraytypes import Floats
 from irsim_gym.base.errors import NoKeyboardWarning
-from irsim_gym.base.extras import pip_command
-from irsim_gym.rendering.controls.keys import HeldKeys, KeySource, Stroke
+from irsim_gym.rendering.controls.keys import HeldKeys, Stroke
 from irsim_gym.rendering.controls.keys_window import WindowKeys
-
-if TYPE_CHECKING:
-    from irsim_gym.rendering.windows.window import Window
 
 SPEED_STEP = 0.2
 """Change of a maximum speed per key press [m/s or rad/s]."""
@@ -48,16 +44,15 @@ class Keyboard:
         source: Source of strokes.
     """
 
-    def __init__(self, options: Any, source: KeySource) -> None:
+    def __init__(self, options: Any, source: WindowKeys) -> None:
+        if options.global_hook:
+            warnings.warn(
+                "global_hook: keys count only while the window has the focus", NoKeyboardWarning, stacklevel=4
+            )
         self.key_lv_max, self.key_ang_max = float(options.key_lv_max), float(options.key_ang_max)
         self.key_id = int(options.key_id)
         self._initial = {"ahead": options.key_lv, "aside": options.key_ang, "turn": options.key_rot}
         self._source, self._held = source, HeldKeys()
-
-    @property
-    def backend(self) -> str:
-        """Source of strokes: ``pynput`` or ``mpl``."""
-        return self._source.name
 
     def poll(self, *, drives: bool = True, turns: bool = False) -> list[str]:
         """Process the strokes since the last call.
@@ -119,34 +114,6 @@ class Keyboard:
         sideways = self.key_lv_max if command_names[1] in ("y", "left") else self.key_ang_max
         full = {"ahead": self.key_lv_max, "aside": sideways, "turn": self.key_ang_max}
         return np.array([self._axis_speed(name, full[name]) for name in AXES][: len(command_names)])
-
-    def close(self) -> None:
-        """Stop listening. Calling it again has no effect."""
-        self._source.close()
-
-
-def open_keyboard(options: object, window: Window) -> Keyboard:
-    """Return a keyboard for a window, with the keys of pynput if selected and working, else those of the window."""
-    return Keyboard(options, _source(options, window))
-
-
-def _source(options: Any, window: Window) -> KeySource:
-    if options.backend == "mpl":
-        return WindowKeys(window)
-    try:
-        from irsim_gym.rendering.controls.keys_pynput import PynputKeys
-
-        return PynputKeys((lambda: True) if options.global_hook else (lambda: window.focused))
-    except Exception as error:  # pynput raises what the system's libraries raise
-        if options.global_hook:
-            reason = (str(error) or repr(error)).splitlines()[0]
-            warnings.warn(
-                f"keys count only while the window has the focus: pynput does not work here ({reason}); "
-                f"`{pip_command('play')}` installs it",
-                NoKeyboardWarning,
-                stacklevel=5,
-            )
-        return WindowKeys(window)
 
 
 def _changed_speed(speed: float, sign: int) -> float:

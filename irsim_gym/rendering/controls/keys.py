@@ -1,6 +1,5 @@
 """Key strokes, and the keys that are held."""
 
-from abc import ABC, abstractmethod
 from dataclasses import dataclass
 
 REPEAT_S = 0.03
@@ -24,20 +23,6 @@ class Stroke:
     time: float
     alt: bool = False
     shift: bool = False
-
-
-class KeySource(ABC):
-    """A source of strokes."""
-
-    name: str
-
-    @abstractmethod
-    def strokes(self) -> list[Stroke]:
-        """Return the strokes since the last call, in order."""
-
-    @abstractmethod
-    def close(self) -> None:
-        """Stop listening. Calling it again has no effect."""
 
 
 class HeldKeys:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from irsim_gym.rendering.controls.keys import KeySource, Stroke
+from irsim_gym.rendering.controls.keys import Stroke
 
 if TYPE_CHECKING:
     from irsim_gym.rendering.windows.window import Window, WindowEvent
@@ -13,10 +13,8 @@ SPELT = {" ": "space", "enter": "return", "": "unknown"}
 """Names of keys that matplotlib spells in another way."""
 
 
-class WindowKeys(KeySource):
+class WindowKeys:
     """Strokes in a window with the focus. They arrive while the window shows frames or waits."""
-
-    name = "mpl"
 
     def __init__(self, window: Window) -> None:
         self._came: list[Stroke] = []
@@ -28,9 +26,6 @@ class WindowKeys(KeySource):
         """Return the strokes since the last call, in order."""
         came, self._came = self._came, []
         return came
-
-    def close(self) -> None:
-        """Do nothing: closing the window ends them."""
 
     def _pressed(self, event: WindowEvent) -> None:
         self._take(event.key, event.time, down=True)

@@ -60,16 +60,6 @@ def new_manager(figure: Figure) -> Any:
     raise NoWindowError(f"no window can be opened: {missing} {INSTEAD}\n{told}")
 
 
-def has_focus(manager: object) -> bool:
-    """Return whether the window has the keyboard focus; True if its toolkit cannot tell."""
-    window = manager.window if hasattr(manager, "window") else getattr(manager, "frame", None)
-    for name in ("focus_displayof", "isActiveWindow", "is_active", "IsActive"):
-        if hasattr(window, name):
-            answer = getattr(window, name)()
-            return answer is not None and answer is not False
-    return True
-
-
 def event_time(event: object) -> float:
     """Return the time of a toolkit's event by the toolkit's clock [s]; the present time if it has none."""
     for name in ("time", "timestamp", "GetTimestamp"):

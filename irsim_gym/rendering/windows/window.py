@@ -16,7 +16,7 @@ from PIL import Image
 from irsim_gym.base.arraytypes import Bytes
 from irsim_gym.base.errors import NoWindowError
 from irsim_gym.rendering.looks import theme
-from irsim_gym.rendering.windows.toolkits import INSTEAD, event_time, has_focus, new_manager
+from irsim_gym.rendering.windows.toolkits import INSTEAD, event_time, new_manager
 
 EventName = Literal["key_press", "key_release", "mouse_press", "mouse_release", "mouse_move", "mouse_leave", "scroll"]
 NAMES: dict[EventName, str] = {
@@ -106,11 +106,6 @@ class Window:
     def closed(self) -> bool:
         """Whether the program or the user has closed the window."""
         return self._closed
-
-    @property
-    def focused(self) -> bool:
-        """Whether the window has the keyboard focus; True if the toolkit cannot tell, False if it is closed."""
-        return not self._closed and has_focus(self._manager)
 
     def show(self, picture: Bytes) -> None:
         """Show a picture and process pending events. Do nothing if the window is closed.

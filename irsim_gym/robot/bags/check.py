@@ -14,12 +14,11 @@ from irsim_gym.base.outside_files import reading
 from irsim_gym.robot.bags.read import KIND, Bag, Event, twist
 from irsim_gym.robot.contract import read_export
 from irsim_gym.robot.drive import Driver
+from irsim_gym.robot.parts.shield import AXES
 from irsim_gym.robot.scans import lost_beams, seconds
 
 REGULAR = 0.2
 """Share by which recorded commands may miss the contract's period, and still be the ticks of the driver."""
-PLACES = {"omni": [0, 1], "omni_angular": [0, 1, 2]}
-"""Where the components of a command stand in a twist; for other drives first and last."""
 
 
 class BagCheck(NamedTuple):
@@ -46,7 +45,7 @@ class BagCheck(NamedTuple):
         found = []
         for words, ticks in groupby(range(len(self.times)), lambda k: re.sub(r"\d[\d.]*", "", self.reasons[k])):
             every = list(ticks)
-            if words:
+            if words and not self.commands[every].any():
                 found.append((self.times[every[0]], self.times[every[-1]], self.reasons[every[0]], words))
         return found
 
@@ -79,7 +78,7 @@ def check_bag(bag: Bag, folder: Path, no_return: str = "") -> BagCheck:
             if event.role == "tick":
                 *command, reason = driver.tick(event.time)
                 whole = np.zeros(3)
-                whole[PLACES.get(contract.robot.drive, [0, 2])] = command
+                whole[AXES.get(contract.robot.drive, AXES["diff"])] = command
                 waited = [event.time - stamp for stamp in stamps.values()]
                 rows.append(np.array([event.time - start, *whole, *newest, *waited]))
                 reasons.append(reason)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 import runpy
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -65,8 +66,8 @@ class Driving:
         return [
             *scan,
             ("odom", Odometry, self.odometry, True),
-            ("goal_pose", PoseStamped, self.goal, False),
-            ("plan", Way, self.path, False),
+            ("goal_pose", PoseStamped, partial(self.place, self.driver.goal), False),
+            ("plan", Way, partial(self.place, self.driver.path), False),
         ]
 
     def begin(self) -> None:
@@ -84,15 +85,10 @@ class Driving:
         self.driver.odometry(msg)
         self._answer()
 
-    def goal(self, msg: Any) -> None:
-        """Take a goal in any frame."""
+    def place(self, take: Callable[[Any], None], msg: Any) -> None:
+        """Take a goal or a path in any frame, by a method of the driver."""
         self.driver.way = self.way
-        self.driver.goal(msg)
-        self.way, self.way_frame = self.driver.way, self.driver.goal_frame
-
-    def path(self, msg: Any) -> None:
-        """Take a path to follow, in any frame."""
-        self.driver.path(msg)
+        take(msg)
         self.way, self.way_frame = self.driver.way, self.driver.goal_frame
 
     def command(self, now: float) -> tuple[float, float, float] | None:
@@ -107,7 +103,7 @@ class Driving:
         *velocity, reason = driver.tick(now)
         kind = re.sub(r"[\d.]+", "", reason)  # an age grows, and is said once
         if kind != self.said:
-            self.say(f"stands: {reason}" if reason else "drives")
+            self.say(f"stands: {reason}" if reason and not any(velocity) else reason or "drives")
         self.said = kind
         drive, share = driver.contract["robot"]["drive"], self.settings["speed_share"]
         left = velocity[1] if drive.startswith("omni") else 0.0

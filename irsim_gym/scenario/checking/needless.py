@@ -1,6 +1,5 @@
 """Keys that IR-SIM 2.12.0 accepts and ignores; they are ignored here too, and reported."""
 
-import math
 from collections.abc import Mapping
 
 from irsim_gym.scenario.text.source import ROLES, WRAPPER, Place
@@ -31,14 +30,3 @@ def mapping_of(place: Place) -> str:
     names = [part for part in place if isinstance(part, str)]
     names = names[1:] if names[:1] == [WRAPPER] else names
     return ".".join("body" if i == 0 and name in ROLES else name for i, name in enumerate(names))
-
-
-def coasts(entry: Mapping[str, object]) -> bool:
-    """Return whether IR-SIM moves the bodies of an entry by their mass: a finite one, without a drive.
-
-    In all modes but contact, IR-SIM ignores the mass of a body that has a drive or is static.
-    """
-    drive = entry.get("kinematics")
-    name = drive.get("name") if isinstance(drive, Mapping) else drive
-    stands = entry.get("static") is True or entry.get("mass") in (None, math.inf)
-    return not stands and (not name or str(name).lower() == "static")

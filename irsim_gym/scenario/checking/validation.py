@@ -14,7 +14,7 @@ from pydantic.fields import FieldInfo
 from irsim_gym.base.errors import Problem, ScenarioError, UnknownNameError, nearest, suggestion
 from irsim_gym.base.options import LARGEST, OPTIONS_CONFIG, drawn_problems, option_fields
 from irsim_gym.base.registry import Registry
-from irsim_gym.scenario.checking.needless import NEEDLESS, coasts, mapping_of
+from irsim_gym.scenario.checking.needless import NEEDLESS, mapping_of
 from irsim_gym.scenario.checking.whereabouts import elsewhere, unknown_key
 from irsim_gym.scenario.specs.colors import as_text, color_problem
 from irsim_gym.scenario.text import messages
@@ -198,15 +198,10 @@ def check_keys(data: Mapping[str, object], known: Iterable[str], place: Place, r
     Values of misspelt keys are read as well, so that their mistakes are reported too. Keys that are valid elsewhere are
     excluded, and so are all keys if the reader is not strict, because they are ignored then.
     """
-    known, mapping = list(known), mapping_of(place)
-    contact, needless = messages.CONTACT_KEYS.get(mapping, ()), NEEDLESS.get(mapping, {})
+    known, needless = list(known), NEEDLESS.get(mapping_of(place), {})
     spelt: dict[str, str] = {}
     for key in data:
-        if key == "mass" and key in contact and coasts(data):
-            report.add((*place, key), messages.COASTING_MESSAGE)
-        elif key in contact:
-            report.refuse((*place, key), messages.CONTACT_MESSAGE)
-        elif key in needless and key not in known:
+        if key in needless and key not in known:
             report.ignore((*place, key), needless[key])
         elif key not in known and not report.is_full:
             report.refuse((*place, key), unknown_key(key, known))

@@ -8,8 +8,9 @@ from irsim_gym.base.errors import nearest
 from irsim_gym.base.options import option_fields
 from irsim_gym.scenario.specs.gui_spec import KeyboardSpec, MouseSpec
 from irsim_gym.scenario.specs.plot_spec import ObjectPlot, SavedFigure, WorldPlot
-from irsim_gym.scenario.specs.spec import BodyOptions, WorldSpec
+from irsim_gym.scenario.specs.spec import BodyOptions
 from irsim_gym.scenario.specs.wander_goals import WanderGoals
+from irsim_gym.scenario.specs.world_spec import WorldSpec
 from irsim_gym.scenario.text.source import SECTIONS
 
 MOST_NAMES, MOST_PLACES = 24, 3

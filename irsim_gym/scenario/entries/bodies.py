@@ -11,12 +11,14 @@ from irsim_gym.scenario.entries import body_checks
 from irsim_gym.scenario.entries.entries import FIELDS, OBSTACLE, OF_ENTRY, BodyEntry
 from irsim_gym.scenario.specs import plot_spec
 from irsim_gym.scenario.specs.image_files import DEFAULT_CAR
-from irsim_gym.scenario.specs.spec import BodySpec, PlacementSpec, Waypoint, WorldSpec
+from irsim_gym.scenario.specs.spec import BodySpec, PlacementSpec, Waypoint
+from irsim_gym.scenario.specs.world_spec import WorldSpec
 from irsim_gym.scenario.text.source import Place
 
 AS_WRITTEN = (
     *("kinematics", "behavior", "group_behavior", "goal", "goal_threshold", "arrive_mode", "unobstructed"),
     *("description", "plot", "seen_by", "speed_range", "unyielding", "party"),
+    *("friction", "inertia", "restitution"),
 )
 """Keys of an entry that are fields of its bodies, with the same values."""
 
@@ -58,6 +60,8 @@ def name_of(entry: BodyEntry, i: int, number: int) -> tuple[Place, str]:
 
 
 def _default_color(body: BodySpec) -> str:
+    if body.coasts:
+        return plot_spec.COASTING_COLOR
     if body.role == OBSTACLE:
         return plot_spec.OBSTACLE_COLOR if body.static else plot_spec.MOVING_OBSTACLE_COLOR
     return plot_spec.CAR_COLOR if _is_car(body) else plot_spec.ROBOT_COLOR
@@ -85,7 +89,9 @@ def _pattern(entry: BodyEntry, i: int, index: int, group: int, report: Report) -
     if not good or entry.placement is None:
         return None
     low = float(values["angle_range"][0])
-    size = body_checks.command_size(drive)
+    mass = values["mass"] or (math.inf if drive is None or values["static"] else 1.0)
+    is_static = values["static"] or (drive is None and mass == math.inf)
+    size = 3 if drive is None and not is_static else body_checks.command_size(drive)
     role: Any = entry.raw.role
     fastest = _drawn_speeds(values)
     own_group = group if values["group"] is None else values["group"]
@@ -106,7 +112,8 @@ def _pattern(entry: BodyEntry, i: int, index: int, group: int, report: Report) -
         vel_max=_padded((*fastest, *(values["vel_max"] or ())[len(fastest) :]), size, 1.0),
         acce=_padded(values["acce"] or (), size, math.inf),
         angle_range=(low, low + 2.0 * math.pi),
-        static=values["static"] or drive is None,
+        static=is_static,
+        mass=mass,
         group=own_group,
         group_name=values["group_name"] or f"{role}_{own_group}",
         color="",

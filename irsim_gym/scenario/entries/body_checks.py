@@ -34,13 +34,13 @@ def command_size(drive: Any) -> int:
 
 def speed_count(drive: Any) -> int:
     """Return the number of a drive's velocities that are speeds [m/s]; they come first."""
-    return sum(name not in TURNS for name in drive.command_names)
+    return 0 if drive is None else sum(name not in TURNS for name in drive.command_names)
 
 
 def check_body(values: Values, places: Places, report: Report) -> bool:
     """Run each check whose values are readable; return whether all values are readable and all checks pass."""
     needs = {
-        check_drive: ("kinematics", "behavior", "group_behavior", "static"),
+        check_drive: ("kinematics", "behavior", "group_behavior", "static", "mass"),
         check_scan: ("kinematics", "behavior", "group_behavior", "static", "sensors"),
         check_dimensions: ("kinematics", "state_dim", "vel_dim", "vel_min", "vel_max", "acce", "velocity"),
         check_limits: ("kinematics", "vel_min", "vel_max"),
@@ -63,7 +63,11 @@ def check_drive(values: Values, places: Places, report: Report) -> None:
         behavior = values[key]
         if behavior is None or values["static"]:
             continue
-        if drive is None:
+        if drive is None and (values["mass"] or math.inf) < math.inf:
+            report.add(
+                places[key], f"a body that coasts, with a mass and no drive, decides nothing: {CURE.format(key=key)}"
+            )
+        elif drive is None:
             report.doubt(places[key], f"the body has no kinematics, so it stands still: {CURE.format(key=key)}")
         elif not commands(behavior, type(drive)) and not steers(behavior, type(drive)):
             name, drives = KINEMATICS.name_of(type(drive)), choices(behavior.kinematics)

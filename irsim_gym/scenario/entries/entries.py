@@ -15,7 +15,7 @@ from irsim_gym.scenario.specs.image_files import image_problem
 from irsim_gym.scenario.specs.library import names
 from irsim_gym.scenario.specs.plot_spec import ObjectPlot
 from irsim_gym.scenario.specs.spec import MAX_BODIES, BodyOptions, Waypoint
-from irsim_gym.scenario.text.messages import CONTACT_MESSAGE, CONTACT_SENSOR, choices, show
+from irsim_gym.scenario.text.messages import choices, show
 from irsim_gym.scenario.text.source import Place
 
 FIELDS = option_fields(BodyOptions)
@@ -175,9 +175,6 @@ def _read_sensors(value: object, place: Place, report: Report) -> object:
 
 
 def _read_sensor(item: object, place: Place, report: Report) -> object:
-    if isinstance(item, Mapping) and item.get("name", item.get("type")) == CONTACT_SENSOR:
-        report.add((*place, "name" if "name" in item else "type"), CONTACT_MESSAGE)
-        return None
     return build_named(families.SENSORS, item, place, report, default="lidar2d", synonym="type")
 
 
@@ -258,6 +255,12 @@ def _read_preset(value: object, place: Place, report: Report) -> object:
     return BAD
 
 
+def _read_mass(key: str, value: object, place: Place, report: Report) -> object:
+    """Return a number that may be infinite; IR-SIM takes the word ``inf`` for one."""
+    is_infinite = isinstance(value, str) and value.lower().removeprefix("+") in ("inf", "infinity")
+    return read_field(FIELDS[key], math.inf if is_infinite else value, place, report)
+
+
 READERS: dict[str, Callable[[Any, Place, Report], Any]] = {
     "sensors": _read_sensors,
     "disturbances": read_disturbances,
@@ -266,4 +269,6 @@ READERS: dict[str, Callable[[Any, Place, Report], Any]] = {
     "color": _read_color,
     "description": _read_description,
     "preset": _read_preset,
+    "mass": lambda value, place, report: _read_mass("mass", value, place, report),
+    "inertia": lambda value, place, report: _read_mass("inertia", value, place, report),
 }

@@ -105,7 +105,7 @@ def _resolved(body: BodySpec, made: dict[int, Any], report: Report) -> BodySpec:
     if not new or any(value is BAD for value in new.values()):
         return body
     resolved = replace(body, **new)
-    values = {key: getattr(resolved, key) for key in ("kinematics", "static", "sensors", *DECIDING)}
+    values = {key: getattr(resolved, key) for key in ("kinematics", "static", "mass", "sensors", *DECIDING)}
     places = {key: getattr(getattr(body, key), "place", ()) for key in DECIDING}
     for check in (check_drive, check_scan):
         check(values, places, report)

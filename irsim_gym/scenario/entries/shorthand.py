@@ -10,6 +10,8 @@ from irsim_gym.scenario.text.source import WRAPPER, Place
 
 VECTORS = frozenset({"state", "velocity", "vel_min", "vel_max", "acce", "angle_range"})
 SCALARS = frozenset({"goal_threshold", "fov", "fov_radius", "group", "state_dim", "vel_dim", "static", "unobstructed"})
+OWN_EACH = frozenset({"mass", "friction", "inertia", "restitution"})
+"""Keys of which a list of numbers holds one for each body."""
 
 
 @dataclass(frozen=True)
@@ -85,6 +87,8 @@ def share(key: str, value: object, count: int, place: Place, report: Report) -> 
     is_vector = key in VECTORS and isinstance(value, list) and not any(isinstance(item, list) for item in value)
     if not isinstance(value, list) or is_vector:
         return Shared(((place, value),))
+    if key in OWN_EACH:
+        return _one_each(value, count, place) if value else Shared(((place, value),))
     if key in SCALARS:
         if len(value) == count:
             return _one_each(value, count, place)

@@ -12,7 +12,8 @@ from irsim_gym.base.errors import Problem, ScenarioError, suggestion
 from irsim_gym.scenario.checking.validation import Report
 from irsim_gym.scenario.reading.level_reading import MOST_TOLD, Mistake, load_levels
 from irsim_gym.scenario.specs.level_set import LevelSet
-from irsim_gym.scenario.specs.spec import BodySpec, PlacementSpec, Scenario, WorldSpec
+from irsim_gym.scenario.specs.spec import BodySpec, PlacementSpec, Scenario
+from irsim_gym.scenario.specs.world_spec import WorldSpec
 from irsim_gym.scenario.text.messages import show
 from irsim_gym.scenario.text.source import Place, Source
 

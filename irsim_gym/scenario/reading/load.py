@@ -26,8 +26,9 @@ from irsim_gym.scenario.specs import library
 from irsim_gym.scenario.specs.gui_spec import GuiSpec
 from irsim_gym.scenario.specs.ids import IDS
 from irsim_gym.scenario.specs.plot_spec import ObjectPlot
-from irsim_gym.scenario.specs.spec import MAX_BODIES, BodySpec, PlacementSpec, Scenario, WorldSpec
-from irsim_gym.scenario.text.messages import CONTACT_MESSAGE, choices, literal_values, show
+from irsim_gym.scenario.specs.spec import MAX_BODIES, BodySpec, PlacementSpec, Scenario
+from irsim_gym.scenario.specs.world_spec import WorldSpec
+from irsim_gym.scenario.text.messages import choices, literal_values, show
 from irsim_gym.scenario.text.source import ROLES, SECTIONS, WRAPPER, Place, Source, read_file, read_mapping
 
 LENIENT = (
@@ -177,8 +178,7 @@ def _places(sections: dict[str, Any], roots: Mapping[str, Place], report: Report
 def _world(data: object, place: Place, source: Source, report: Report) -> WorldSpec | None:
     """Return the section ``world``, named after the file if it has no name."""
     if isinstance(data, Mapping):
-        data = {**data, "collision_mode": _collision_mode(data.get("collision_mode"), place, report)}
-        data["control_mode"] = _known_mode(data.get("control_mode"), "control_mode", place, report)
+        data = {**data, **{key: _known_mode(data.get(key), key, place, report) for key in STAND_INS}}
         if data.get("name") is None and source.file:
             data = {**data, "name": Path(source.file).name.split(".")[0] or "world"}
     elif data is None and source.file:
@@ -188,15 +188,6 @@ def _world(data: object, place: Place, source: Source, report: Report) -> WorldS
         data = {**map_extent(made, source), **data, "obstacle_map": None if made is BAD else made}
     own = isinstance(data, Mapping) and "obstacle_map" in data  # the value of a misspelt key is not read as a map
     return build(WorldSpec, data, place, report, skip=() if own else ["obstacle_map"])
-
-
-def _collision_mode(mode: object, place: Place, report: Report) -> object:
-    """Return the mode that a file's stands for; None for one that is refused."""
-    where = (*place, "collision_mode")
-    if mode == "contact":
-        report.add(where, CONTACT_MESSAGE)
-        return None
-    return _known_mode(mode, "collision_mode", place, report)
 
 
 def _known_mode(mode: object, key: str, place: Place, report: Report) -> object:

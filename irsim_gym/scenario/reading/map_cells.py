@@ -13,7 +13,7 @@ from irsim_gym.base.families import MAPS
 from irsim_gym.scenario.checking.validation import BAD, Report, build_named
 from irsim_gym.scenario.reading.ros_map import SUFFIXES
 from irsim_gym.scenario.specs import library
-from irsim_gym.scenario.specs.spec import WorldSpec
+from irsim_gym.scenario.specs.world_spec import WorldSpec
 from irsim_gym.scenario.text.messages import show
 from irsim_gym.scenario.text.source import Place, Source
 

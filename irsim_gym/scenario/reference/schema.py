@@ -11,7 +11,8 @@ from irsim_gym.scenario.reading.parameters import SECTION, ParameterSpec
 from irsim_gym.scenario.specs import library
 from irsim_gym.scenario.specs.gui_spec import GuiSpec
 from irsim_gym.scenario.specs.plot_spec import ObjectPlot
-from irsim_gym.scenario.specs.spec import BodyOptions, WorldSpec
+from irsim_gym.scenario.specs.spec import BodyOptions
+from irsim_gym.scenario.specs.world_spec import WorldSpec
 from irsim_gym.scenario.text.source import ROLES, WRAPPER
 
 Schema = dict[str, Any]

@@ -9,10 +9,8 @@ from irsim_gym.base.options import defaults, kind, option
 class KeyboardSpec:
     """The section ``gui.keyboard``."""
 
-    backend: Literal["pynput", "mpl"] = option(
-        "pynput", meaning="Source of key presses; if pynput does not work, the window (mpl)."
-    )
-    global_hook: bool = option(False, meaning="Listen to keys while another window has the focus (pynput).")
+    backend: Literal["pynput", "mpl"] = option("pynput", meaning="No effect: key presses are those of the window.")
+    global_hook: bool = option(False, meaning="No effect, with a warning: keys need the focus of the window.")
     key_lv_max: float = option(
         3.0, ge=0.0, unit="m/s", meaning="Speed while a key is held.", consequence="No effect above vel_max."
     )

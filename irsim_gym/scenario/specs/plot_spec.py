@@ -10,6 +10,7 @@ from irsim_gym.scenario.specs.colors import color_problem
 
 ROBOT_COLOR = "#009E73"
 CAR_COLOR = "#117733"
+COASTING_COLOR = "#E69F00"
 OBSTACLE_COLOR, MOVING_OBSTACLE_COLOR, MAP_COLOR = "#475569", "#64748B", "#334155"
 CYCLE = ("#009E73", "#E69F00", "#56B4E9", "#D55E00", "#0072B2", "#CC79A7", "#F0E442", "#000000")
 

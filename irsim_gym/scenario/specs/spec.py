@@ -9,92 +9,19 @@ from numpy.typing import NDArray
 from pydantic import AllowInfNan, Field
 
 from irsim_gym.base.errors import Problem, several
-from irsim_gym.base.options import LARGEST, defaults, kind, option
+from irsim_gym.base.options import defaults, kind, option
 from irsim_gym.scenario.specs.gui_spec import GuiSpec
 from irsim_gym.scenario.specs.level_set import LevelSet
-from irsim_gym.scenario.specs.plot_spec import ObjectPlot, WorldPlot
+from irsim_gym.scenario.specs.plot_spec import ObjectPlot
+from irsim_gym.scenario.specs.world_spec import Coordinate, WorldSpec
 from irsim_gym.scenario.text.messages import with_parameters
 from irsim_gym.scenario.text.source import Place, Source
 
 Waypoint = tuple[float, float, float]
 Limit = Annotated[float, AllowInfNan(True), Field(ge=0.0)]
+Mass = Annotated[float, AllowInfNan(True), Field(gt=0.0)]
 
 MAX_BODIES = 100_000
-Coordinate = Annotated[float, Field(ge=-LARGEST, le=LARGEST)]
-
-
-@kind
-class WorldSpec:
-    """The section ``world``."""
-
-    name: str = option("world", min_length=1, max_length=200, meaning="Name of the world; default: the file's name.")
-    width: float = option(
-        10.0,
-        gt=0.0,
-        le=1e5,
-        unit="m",
-        meaning="Size of the world in x.",
-        consequence="Only pictures, maps, default placements and left_world use it; bodies may leave the world.",
-    )
-    height: float = option(10.0, gt=0.0, le=1e5, unit="m", meaning="Size of the world in y.", consequence="As width.")
-    step_time: float = option(
-        0.1,
-        gt=0.0,
-        le=100.0,
-        unit="s",
-        meaning="Duration of a step.",
-        consequence="If large, bodies jump through thin walls and over small goals. If small, runs take longer.",
-    )
-    sample_time: float = option(
-        0.1,
-        gt=0.0,
-        unit="s",
-        meaning="Time between frames, rounded to whole steps.",
-        consequence="If shorter than step_time, every step is a frame.",
-    )
-    offset: tuple[Coordinate, Coordinate] = option(
-        (0.0, 0.0), unit="m", meaning="Lower left corner of the world.", consequence="It does not shift given poses."
-    )
-    control_mode: Literal["auto", "keyboard"] = option(
-        "auto", meaning="What drives in irsim_gym.load: behaviours, or the keyboard of a window. No effect on learners."
-    )
-    collision_mode: Literal["stop", "unobstructed", "unobstructed_obstacles"] = option(
-        "stop",
-        meaning="Which bodies stop at a collision: all, none, or robots only.",
-        consequence="With stop, bodies that touch stand still until one of them is removed.",
-    )
-    collision_check: Literal["step_end", "swept"] = option(
-        "step_end",
-        meaning="Where contacts are looked for: where each step ends, or all along its way (swept).",
-        consequence="With step_end, bodies pass what is thinner than a step is long. swept takes time.",
-    )
-    status: Literal["None", "Running", "Arrived", "Collision", "Pause"] = option(
-        "None", meaning="Status text at the start; with Pause, irsim_gym.load begins paused. No effect on learners."
-    )
-    obstacle_map: Any = option(
-        None, meaning="Occupied cells over the world: an image, a map.yaml of ROS, or a mapping with a kind's name."
-    )
-    mdownsample: int = option(
-        1, ge=1, meaning="Keep every n-th column and row of the map.", consequence="Thinner walls may vanish."
-    )
-    plot: WorldPlot = option(defaults(WorldPlot), meaning="Drawing options of the world.")
-    step_mode: Literal["internal", "external"] = option(
-        "internal",
-        meaning="What moves the bodies: the step, or the caller with set_state (external; not for learners).",
-    )
-    fog_map: bool = option(False, meaning="Keep a map of what the robots have seen; it does not affect the simulation.")
-    fog_map_resolution: float | None = option(
-        None, gt=0.0, unit="m", meaning="Cell size of fog_map; default: that of obstacle_map, else 0.1 m."
-    )
-    update: Literal["sequential", "simultaneous"] = option(
-        "sequential",
-        meaning="Bodies see earlier ones after their move (sequential), or all before the step (simultaneous).",
-    )
-
-    @property
-    def steps_per_sample(self) -> int:
-        """Number of steps between samples: ``sample_time`` in whole steps, at least one."""
-        return max(1, int(round(self.sample_time / self.step_time, 9)))
 
 
 @kind
@@ -128,7 +55,25 @@ class BodyOptions:
         consequence="Degrees instead of radians give an arbitrary heading.",
     )
     velocity: tuple[float, ...] = option(
-        (), unit="m/s or rad/s", meaning="Velocity at the start, in the drive's coordinates; missing numbers are 0."
+        (),
+        unit="m/s or rad/s",
+        meaning="Velocity at the start, in the drive's coordinates; of a body with a mass and no drive, along x and y, "
+        "and its turn rate; missing numbers are 0.",
+    )
+    mass: Mass | None = option(
+        None,
+        unit="kg",
+        meaning="Mass; default: 1 with a drive, else infinite. A body with a finite mass and no drive coasts, and what "
+        "touches it pushes it (collision_mode: contact).",
+    )
+    friction: float | None = option(
+        None, ge=0.0, meaning="Coefficient of friction with the ground, and with what it touches; default: the world's."
+    )
+    inertia: Mass | None = option(
+        None, unit="kg m2", meaning="Moment of inertia about the centre of mass; default: that of an even footprint."
+    )
+    restitution: float | None = option(
+        None, ge=0.0, le=1.0, meaning="Speed that a bounce keeps, 0 to 1; default: the world's."
     )
     goal: tuple[tuple[Coordinate, ...], ...] = option(
         (),
@@ -254,7 +199,11 @@ class BodySpec:
         angle_range: Interval that headings wrap into [rad]; exactly 2 pi wide.
         goal_threshold: The goal is reached when the body is closer than this [m].
         arrive_mode: ``position`` or ``state``.
-        static: Whether the body never moves; True without kinematics.
+        static: Whether the body never moves; True without kinematics and a finite mass.
+        mass: Mass [kg]; may be infinite.
+        friction: Coefficient of friction; None for the world's.
+        inertia: Moment of inertia [kg m2]; None for that of an even footprint.
+        restitution: Speed that a bounce keeps; None for the world's.
         unobstructed: Whether collisions and sensors ignore the body; behaviours do not.
         group: Number of its group.
         group_name: Name of its group.
@@ -290,6 +239,10 @@ class BodySpec:
     goal_threshold: float = 0.1
     arrive_mode: Literal["position", "state"] = "position"
     static: bool
+    mass: float = np.inf
+    friction: float | None = None
+    inertia: float | None = None
+    restitution: float | None = None
     unobstructed: bool = False
     group: int
     group_name: str
@@ -302,6 +255,11 @@ class BodySpec:
     speed_range: tuple[float, float] | None = None
     unyielding: float = 0.0
     party: int = 1
+
+    @property
+    def coasts(self) -> bool:
+        """Whether it moves without a drive, because it has a finite mass."""
+        return self.kinematics is None and not self.static
 
     @property
     def renewal(self) -> Any:

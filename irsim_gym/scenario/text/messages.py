@@ -10,17 +10,6 @@ from irsim_gym.base.errors import suggestion
 
 LONGEST = 40
 NUMBERS = re.compile(r"[-+.\d]+(\s+[-+.\d]+)+")
-CONTACT_KEYS = {
-    "world": {"gravity", "friction", "restitution", "drive_tau"},
-    "body": {"mass", "friction", "inertia", "restitution"},
-    "body.kinematics": {"tau"},
-}
-"""Keys of IR-SIM's contact mode, which is not part of the language, by their mapping."""
-CONTACT_SENSOR = "contact2d"
-CONTACT_MESSAGE = "contact mode is not part of the scenario language"
-COASTING_MESSAGE = (
-    "contacts are not simulated yet: in IR-SIM 2.12.0 a body with a mass and no drive moves in every collision mode"
-)
 
 
 def show(value: object) -> str:

@@ -14,7 +14,7 @@ from irsim_gym.simulator.geometry.overlap import (
     outline_distance,
     outlines_overlap,
 )
-from irsim_gym.simulator.world.model import ROBOT, STOP, UNOBSTRUCTED, Model
+from irsim_gym.simulator.world.model import ROBOT, STOP, UNOBSTRUCTED_OBSTACLES, Model
 from irsim_gym.simulator.world.names import Shard, State, kernel, row_of
 from irsim_gym.simulator.world.outline import outline_of
 
@@ -176,7 +176,7 @@ def stop_bodies(worlds: Ints, model: Model, state: State) -> None:
     mode = model.collision_mode[0]
     for w in worlds:
         for b in range(state.collided.shape[1]):
-            holds = mode == STOP or (mode != UNOBSTRUCTED and model.role[b] == ROBOT)
+            holds = mode == STOP or (mode == UNOBSTRUCTED_OBSTACLES and model.role[b] == ROBOT)
             state.stopped[w, b] = state.collided[w, b] and holds
 
 

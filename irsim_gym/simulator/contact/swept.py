@@ -16,7 +16,7 @@ from irsim_gym.simulator.contact.pairs import note_contact
 from irsim_gym.simulator.geometry.angles import wrap, wrap_from
 from irsim_gym.simulator.geometry.overlap import capsule_meets_outline, outline_distance
 from irsim_gym.simulator.geometry.segments import point_segment_distance2
-from irsim_gym.simulator.world.model import ROBOT, STOP, UNOBSTRUCTED, Model
+from irsim_gym.simulator.world.model import ROBOT, STOP, UNOBSTRUCTED_OBSTACLES, Model
 from irsim_gym.simulator.world.names import Shard, State, Struct, kernel, row_of
 from irsim_gym.simulator.world.outline import outline_of, place_outline
 
@@ -180,7 +180,7 @@ def stops_at(w: int, b: int, q: int, sweep: SweptMotion, model: Model) -> bool:
     Reads: sweep (free, goes), model (collision_mode, movable, role).
     """
     mode = model.collision_mode[0]
-    holds = mode == STOP or (mode != UNOBSTRUCTED and model.role[b] == ROBOT)
+    holds = mode == STOP or (mode == UNOBSTRUCTED_OBSTACLES and model.role[b] == ROBOT)
     return bool(holds and sweep.goes[w, b] and not (sweep.free[w, b] and model.movable[q]))
 
 

@@ -1,6 +1,7 @@
 """Groups of equal kinds, and the lists of bodies that phases work on."""
 
 from collections.abc import Callable, Sequence
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -16,11 +17,14 @@ from irsim_gym.simulator.levels.body_measures import measure
 from irsim_gym.simulator.levels.level_table import given_bodies, lay_levels, varied_outlines
 from irsim_gym.simulator.levels.path_checks import reachability_check
 from irsim_gym.simulator.levels.traits import collect_traits
+from irsim_gym.simulator.pushing.coasting import Coasting
+from irsim_gym.simulator.pushing.matter import Matter, is_weighed, lay_matter, weigh_anew
+from irsim_gym.simulator.pushing.memory import Pushing, lay_pushing
 from irsim_gym.simulator.step.fog import lay_fog
 from irsim_gym.simulator.step.guide import guide
 from irsim_gym.simulator.step.parts import Parts
 from irsim_gym.simulator.step.patience import find_patient
-from irsim_gym.simulator.step.turns import take_turns
+from irsim_gym.simulator.step.turns import Turn, take_turns
 from irsim_gym.simulator.world.group import Group, WorldContext
 from irsim_gym.simulator.world.model import LOOP, WANDER, Model
 from irsim_gym.simulator.world.outline import Outline
@@ -35,8 +39,7 @@ def collect_parts(
 ) -> Parts:
     """Return the groups and lists of a scenario whose constants are written already."""
     bodies = list(enumerate(scenario.bodies))
-    sensors = [(b, sensor) for b, body in bodies for sensor in body.sensors]
-    scanners = _sensors(sensors, outlines, model, n_slots)
+    scanners = _sensors([(b, sensor) for b, body in bodies for sensor in body.sensors], outlines, model, n_slots)
     group_behaviors = _group_behaviors(scenario, scanners, model, agents, n_slots)
     # A behaviour of one's own does not act where a learner or the behaviour of the group commands the body.
     led = {*agents, *(int(b) for group in group_behaviors for b in group.members)}
@@ -47,8 +50,9 @@ def collect_parts(
         for part in with_scans(group, scenario.bodies, scanners)
     ]
     names = tuple(body.name for _, body in bodies)
-    context = WorldContext(scenario.bodies, scanners, field_of_view.detect)
-    kinematics = group_members([(b, body.kinematics) for b, body in bodies if model.movable[b]])
+    matter = lay_matter(scenario, model) if is_weighed(scenario) else None
+    context = make_context(scenario, model, scanners, matter, lay_pushing(scenario, matter, model, n_slots))
+    kinematics = _kinematics(scenario, model, matter)
     placements, given = _placements(scenario, model, n_slots), given_bodies(scenario)
     for group in (*group_behaviors, *behaviors, *kinematics, *scanners, *placements):
         group.names, group.context = names, context
@@ -57,14 +61,13 @@ def collect_parts(
     for group in (*behaviors, *group_behaviors):
         guide(group, scenario.bodies, kinematics, model)
     external = scenario.world.step_mode == "external"
-    in_order = scenario.world.update == "sequential"
     everyone, movers = np.arange(len(bodies), dtype=np.int64), np.flatnonzero(model.movable)
     patience = find_patient(scenario, model, agents)
     return Parts(
         kinematics=kinematics,
         behaviors=behaviors,
         group_behaviors=[] if external else group_behaviors,
-        turns=[] if external else take_turns(movers, behaviors, kinematics, in_order=in_order),
+        turns=[] if external else _turns(scenario, behaviors, kinematics, movers, matter),
         visitors=[] if external else [group for group in behaviors if hasattr(group.kind, "appear")],
         external=external,
         footprints=_footprints(scenario, model),
@@ -86,9 +89,36 @@ def collect_parts(
         fog=lay_fog(scenario, scanners, model),
         sweep=lay_sweep(scenario, model, movers, None if patience is None else patience.free),
         patience=patience,
+        matter=matter,
+        pushing=context.pushing,
         names=names,
         places=tuple(_place(scenario, body) for _, body in bodies),
     )
+
+
+def _turns(
+    scenario: Scenario, behaviors: list[Group], kinematics: list[Group], movers: Ints, matter: Matter | None
+) -> list[Turn]:
+    driven = movers if matter is None else np.setdiff1d(movers, matter.coasting)
+    return take_turns(movers, behaviors, kinematics, driven, in_order=scenario.world.update == "sequential")
+
+
+def make_context(
+    scenario: Scenario, model: Model, sensors: Sequence[Group], matter: Matter | None, pushing: Pushing | None
+) -> WorldContext:
+    """Return what readers of single bodies look at; without masses, these are made when they are asked for."""
+    weighed = partial(weigh_anew, scenario, model, matter)
+    return WorldContext(scenario.bodies, sensors, field_of_view.detect, weighed, pushing)
+
+
+def _kinematics(scenario: Scenario, model: Model, matter: Matter | None) -> list[Group]:
+    """Return the bodies that move, by drive; those that coast last."""
+    bodies = [(b, body) for b, body in enumerate(scenario.bodies) if model.movable[b]]
+    driven = group_members([(b, body.kinematics) for b, body in bodies if not body.coasts])
+    coasting = group_members([(b, Coasting()) for b, body in bodies if body.coasts])
+    for group in coasting:
+        group.tables = matter
+    return driven + coasting
 
 
 def _loop_returns(scenario: Scenario, model: Model) -> Ints:

@@ -22,6 +22,7 @@ from irsim_gym.simulator.levels.level_table import roomy_outlines, varied_outlin
 from irsim_gym.simulator.levels.traits import drawn_traits, watching_bodies, write_people
 from irsim_gym.simulator.running.shards import Shards
 from irsim_gym.simulator.world.model import (
+    CONTACT,
     KEEP_GOAL,
     LOOP,
     NO_DRIVE,
@@ -38,7 +39,12 @@ from irsim_gym.simulator.world.model import (
 from irsim_gym.simulator.world.names import Flags, State
 from irsim_gym.simulator.world.outline import Outline
 
-COLLISION_MODES = {"stop": STOP, "unobstructed": UNOBSTRUCTED, "unobstructed_obstacles": UNOBSTRUCTED_OBSTACLES}
+COLLISION_MODES = {
+    "stop": STOP,
+    "unobstructed": UNOBSTRUCTED,
+    "unobstructed_obstacles": UNOBSTRUCTED_OBSTACLES,
+    "contact": CONTACT,
+}
 ARRIVE_MODES = {"position": POSITION, "state": STATE}
 RANDOM_OUTLINE = frozenset(
     {"local_segments", "local_discs", "segment_count", "disc_count", "reach", "radius", "centroid"}
@@ -98,7 +104,6 @@ def compile(
     _hide_map(model)
     write_people(scenario, model)
     model.rigid[0] = not varied.any()
-    model.stands[:] = ~(model.movable & model.driven)
     body_buckets.lay_out(model, varied)
     shards = Shards(n_worlds, num_threads)
     parts = collect_parts(scenario, outlines, model, agents, shards.n_slots)
@@ -181,7 +186,8 @@ def _write_motion(b: int, body: BodySpec, model: Model, *, is_agent: bool) -> No
     model.speed_bound[b] = getattr(body.kinematics, "bound", "") == "speed"
     model.wheelbase[b] = _wheelbase(body)
     model.initial_steering[b] = body.steering
-    model.movable[b] = body.kinematics is not None and not body.static
+    model.movable[b] = not body.static
+    model.stands[b] = body.static or not (model.driven[b] or body.coasts)
     model.unobstructed[b] = body.unobstructed
     model.arrive_mode[b] = ARRIVE_MODES[body.arrive_mode]
     model.goal_threshold[:, b] = body.goal_threshold
@@ -193,7 +199,8 @@ def _write_motion(b: int, body: BodySpec, model: Model, *, is_agent: bool) -> No
     ):
         target[:, b, : len(values)] = values
     model.drawn_speed[:, b] = np.inf if body.speed_range is None else body.speed_range[1]
-    model.initial_velocity[b, : len(body.velocity)] = body.velocity
+    if model.movable[b]:
+        model.initial_velocity[b, : len(body.velocity)] = body.velocity
     if body.state is not None:
         model.start[:, b] = body.state[:3]
 

@@ -12,8 +12,9 @@ from irsim_gym.base.errors import UnknownNameError, several, suggestion
 from irsim_gym.scenario.specs.spec import Scenario
 from irsim_gym.simulator.contact import body_buckets, contact
 from irsim_gym.simulator.engine import field_of_view
-from irsim_gym.simulator.engine.disturbance_marks import marks_of
+from irsim_gym.simulator.engine.collect import make_context
 from irsim_gym.simulator.engine.given import check_bodies, check_commands, check_level
+from irsim_gym.simulator.engine.world_marks import contact_marks, marks_of
 from irsim_gym.simulator.running.fused import Fused, Recordings, only_kernels
 from irsim_gym.simulator.running.shards import Shards
 from irsim_gym.simulator.step import disturbances, outlines, respawn, restart
@@ -92,8 +93,10 @@ class Simulation:
         return self.state if belief is None else belief.state
 
     def marks(self, world: int) -> tuple[Any, ...]:
-        """Return marks, for a renderer, of what disturbs a world: believed outlines and blind sectors."""
-        return marks_of(self.parts.disturbances, self.model, self.state, world)
+        """Return marks, for a renderer: believed outlines, blind sectors, and contacts that bodies feel."""
+        parts = self.parts
+        felt = contact_marks(parts.sensors, parts.pushing, world)
+        return (*marks_of(parts.disturbances, self.model, self.state, world), *felt)
 
     @property
     def known(self) -> Model:
@@ -109,7 +112,7 @@ class Simulation:
     @property
     def context(self) -> WorldContext:
         """Specifications, sensors and fields of view of the bodies, for readers of single bodies."""
-        return WorldContext(self.scenario.bodies, self.parts.sensors, field_of_view.detect)
+        return make_context(self.scenario, self.model, self.parts.sensors, self.parts.matter, self.parts.pushing)
 
     def body(self, name: str) -> int:
         """Return the index of a body.

@@ -57,12 +57,14 @@ def is_convex(vertices: Floats) -> bool:
     # The edge before the first one: the last edge that has a length.
     last_x, last_y = 0.0, 0.0
     for i in range(n):
-        dx, dy = vertices[i, 0] - vertices[i - 1, 0], vertices[i, 1] - vertices[i - 1, 1]
+        before = i - 1 if i > 0 else n - 1
+        dx, dy = vertices[i, 0] - vertices[before, 0], vertices[i, 1] - vertices[before, 1]
         if dx != 0.0 or dy != 0.0:
             last_x, last_y = dx, dy
     left, right, turned = False, False, 0.0
     for i in range(n):
-        dx, dy = vertices[i, 0] - vertices[i - 1, 0], vertices[i, 1] - vertices[i - 1, 1]
+        before = i - 1 if i > 0 else n - 1
+        dx, dy = vertices[i, 0] - vertices[before, 0], vertices[i, 1] - vertices[before, 1]
         if dx == 0.0 and dy == 0.0:
             continue
         cross, dot = last_x * dy - last_y * dx, last_x * dx + last_y * dy

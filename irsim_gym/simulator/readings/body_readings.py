@@ -373,7 +373,7 @@ class BodyReadings(ABC):
     @property
     def _command_size(self) -> int:
         drive = self.spec.kinematics
-        return 2 if drive is None else len(drive.command_names)
+        return (3 if self.spec.coasts else 2) if drive is None else len(drive.command_names)
 
     def _of(self, field: NDArray[Any]) -> Any:
         """Return the body's row of a constant that worlds may share."""

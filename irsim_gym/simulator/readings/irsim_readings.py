@@ -10,6 +10,7 @@ import numpy as np
 from irsim_gym.base import families
 from irsim_gym.base.arraytypes import Floats
 from irsim_gym.simulator.readings.body_readings import BodyReadings
+from irsim_gym.simulator.readings.contact_readings import ContactReadings
 from irsim_gym.simulator.readings.sensor_view import SensorView
 from irsim_gym.simulator.readings.shapely_outline import moved, shapely_cells, shapely_outline
 from irsim_gym.simulator.world.model import OMNI_BODY, OMNI_WORLD
@@ -20,7 +21,7 @@ NEAR_GOAL = 0.1
 """Nearer to the goal than this, the desired velocity is 0 [m]."""
 
 
-class IrSimReadings(BodyReadings, ABC):
+class IrSimReadings(ContactReadings, ABC):
     """One body of one world, also under IR-SIM's names."""
 
     __slots__ = ()

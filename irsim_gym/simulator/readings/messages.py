@@ -81,7 +81,7 @@ _FLAGS = {"static": False, "arrive": False, "collision": False, "collision_ids":
 _CONTACTS = {"contact_force": Vector3, "contact_time": 0.0, "air_time": 0.0, "contacts": list}
 _READ = {"odom": Odometry, "scan": None, "goal": None}
 ObjectState = _message("ObjectState", header=Header, **_WHAT, **_READ, **_FLAGS, scans=list, **_CONTACTS)
-"""One body. Bodies have no masses here, so the fields of contacts and times in the air keep their defaults."""
+"""One body. Contacts, their force and times are those of ``collision_mode: contact``, and zeros in other modes."""
 WorldState = _message("WorldState", _Grouped, header=Header, name="", status="", step_time=0.0, objects=list)
 
 

@@ -8,6 +8,8 @@ from irsim_gym.base.arraytypes import Ints, Records
 from irsim_gym.simulator.contact.swept import SweptMotion
 from irsim_gym.simulator.levels.level_table import LevelTable
 from irsim_gym.simulator.levels.path_checks import ReachabilityCheck
+from irsim_gym.simulator.pushing.matter import Matter
+from irsim_gym.simulator.pushing.memory import Pushing
 from irsim_gym.simulator.step.disturbances import Disturbances
 from irsim_gym.simulator.step.fog import FogMap
 from irsim_gym.simulator.step.patience import Patience
@@ -46,6 +48,8 @@ class Parts:
         fog: What the robots have explored; None unless the file asks for it.
         sweep: Memory for contacts within a step; None where only its end is tested.
         patience: Wandering bodies that go on after a collision; None without any.
+        matter: What bodies weigh; None unless they push each other or coast.
+        pushing: What they feel of each other; None unless they push each other.
         names: The bodies' names.
         places: Name, file and line of each body, for messages.
         disturbances: What disturbs robots.
@@ -76,9 +80,16 @@ class Parts:
     fog: FogMap | None
     sweep: SweptMotion | None
     patience: Patience | None
+    matter: Matter | None
+    pushing: Pushing | None
     names: tuple[str, ...]
     places: tuple[str, ...]
     disturbances: Disturbances = field(default_factory=Disturbances)
+
+    @property
+    def coasting(self) -> Ints:
+        """Bodies that move without a drive."""
+        return np.zeros(0, np.int64) if self.matter is None else self.matter.coasting
 
     @property
     def remembering(self) -> list[Group]:

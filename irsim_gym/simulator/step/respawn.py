@@ -9,6 +9,7 @@ from irsim_gym.base.rng import uniform
 from irsim_gym.simulator.cell_paths.queries import has_free_path, standing_bodies
 from irsim_gym.simulator.contact import body_buckets, contact
 from irsim_gym.simulator.levels import path_checks
+from irsim_gym.simulator.pushing.memory import forget_contacts
 from irsim_gym.simulator.step import arrival, disturbances, outlines
 from irsim_gym.simulator.step.arrival import begin_round
 from irsim_gym.simulator.step.parts import Parts
@@ -75,6 +76,8 @@ def respawn(parts: Parts, model: Model, state: State, shard: Shard, bodies: Ints
     twist = state.twist[shard.worlds]
     forget_bodies(parts, shard, bodies, chosen)
     begin_bodies(shard.worlds, bodies, chosen, model, state)
+    if parts.pushing is not None:
+        forget_contacts(shard.worlds, bodies, chosen, parts.pushing, state)
     for group in parts.kinematics:
         group.kind.begin(group, model, state, shard)
     begun = np.zeros(twist.shape[:2], np.bool_)

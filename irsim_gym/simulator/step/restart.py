@@ -10,6 +10,8 @@ from irsim_gym.base.rng import integer
 from irsim_gym.simulator.contact import body_buckets, contact
 from irsim_gym.simulator.levels import body_measures, path_checks, traits
 from irsim_gym.simulator.levels.level_table import LevelTable, copy_levels, copy_maps
+from irsim_gym.simulator.pushing.matter import renew_matter
+from irsim_gym.simulator.pushing.memory import begin_pushing
 from irsim_gym.simulator.running.fused import Fused
 from irsim_gym.simulator.step import arrival, disturbances, fog, outlines, patience
 from irsim_gym.simulator.step.arrival import begin_round
@@ -61,6 +63,8 @@ def start_drawn(parts: Parts, model: Model, state: State, shard: Shard) -> None:
         traits.draw_traits(shard.worlds, parts.traits, model, state)
     if len(parts.measured):
         body_measures.measure(shard.worlds, parts.measured, model)
+    if parts.matter is not None:
+        renew_matter(shard.worlds, parts.matter, model)
     copy_words(shard.worlds, model, state)
     start(parts, model, state, shard)
 
@@ -89,6 +93,8 @@ def start(parts: Parts, model: Model, state: State, shard: Shard) -> None:
     contact.find_static(parts.fixed, model, state, shard)
     contact.stop_bodies(shard.worlds, model, state)
     arrival.measure_distance(shard.worlds, parts.goal_bodies, state)
+    if parts.pushing is not None:
+        begin_pushing(shard.worlds, parts.pushing, state)
     disturbances.begin(parts.disturbances, model, state, shard)
     disturbances.tell(parts.disturbances, parts.everyone, state, shard)
     sense(parts, model, state, shard)

@@ -6,6 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from irsim_gym.simulator.contact import body_buckets, contact, swept
+from irsim_gym.simulator.pushing.memory import follow
+from irsim_gym.simulator.pushing.parting import part_bodies
 from irsim_gym.simulator.step import arrival, command_limits, disturbances, fog, outlines, patience
 from irsim_gym.simulator.step.guide import decide
 from irsim_gym.simulator.step.parts import Parts
@@ -52,7 +54,7 @@ def advance(parts: Parts, model: Model, state: State, shard: Shard, orders: Orde
         if orders is not None:
             orders.give(state, shard)
         asked = disturbances.asked(turn, model, state, shard)
-        command_limits.limit_velocity(shard.worlds, turn.movers, model, asked)
+        limit(parts, turn.driven, model, asked, shard)
         moved = disturbances.moved(turn, model, state, shard)
         for group in turn.kinematics:
             group.kind.move(group, model, moved, shard)
@@ -67,6 +69,9 @@ def advance(parts: Parts, model: Model, state: State, shard: Shard, orders: Orde
         body_buckets.refresh(parts.everyone, model, state, shard)
     # ``tick`` comes last, so ``state.step`` is still the number of the step before.
     let_appear(parts, model, state, shard, ahead=1)
+    if parts.pushing is not None and parts.matter is not None:
+        part_bodies(shard.worlds, shard.slot, parts.pushing, parts.matter, model.cells, model, state)
+        body_buckets.refresh(parts.movers, model, state, shard)
     contact.find(parts.movers, model, state, shard, parts.sweep)
     if parts.patience is not None:
         patience.let_go(shard.worlds, parts.patience, model, state)
@@ -93,12 +98,19 @@ def advance_one(parts: Parts, model: Model, state: State, shard: Shard, body: in
     arrival.renew_goals(shard.worlds, goals, loops, model, state)
     for group in _of(parts.behaviors, body) if decides else ():
         decide(group, model, state, shard)
-    command_limits.limit_velocity(shard.worlds, here, model, state)
+    limit(parts, np.setdiff1d(here, parts.coasting), model, state, shard)
     for group in _of(parts.kinematics, body):
         group.kind.move(group, model, state, shard)
     outlines.place(here, model, state, shard)
     body_buckets.refresh(here, model, state, shard)
     disturbances.tell(parts.disturbances, here, state, shard)
+
+
+def limit(parts: Parts, driven: Ints, model: Model, state: State, shard: Shard) -> None:
+    """Turn the commands of bodies with a drive into velocities that it can execute."""
+    command_limits.limit_velocity(shard.worlds, driven, model, state)
+    if parts.pushing is not None and parts.matter is not None:
+        follow(shard.worlds, driven, parts.pushing, parts.matter, model, state)
 
 
 def _of(groups: Sequence[Group], body: int) -> list[Group]:

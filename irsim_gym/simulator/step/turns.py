@@ -16,6 +16,7 @@ class Turn:
         behaviors: Bodies that decide for themselves, by behaviour.
         movers: Bodies that can move.
         kinematics: The same, by drive.
+        driven: Those of them that have a drive; the others coast.
         commands: Disturbances of their commands, in the order in which they act.
         motions: Disturbances of their motion, likewise.
         asked: The state with the commands that reach the drives; None where nothing disturbs them.
@@ -25,13 +26,16 @@ class Turn:
     behaviors: list[Group]
     movers: Ints
     kinematics: list[Group]
+    driven: Ints
     commands: list[Group] = field(default_factory=list)
     motions: list[Group] = field(default_factory=list)
     asked: State | None = None
     moved: State | None = None
 
 
-def take_turns(movers: Ints, behaviors: Sequence[Group], kinematics: Sequence[Group], *, in_order: bool) -> list[Turn]:
+def take_turns(
+    movers: Ints, behaviors: Sequence[Group], kinematics: Sequence[Group], driven: Ints, *, in_order: bool
+) -> list[Turn]:
     """Return the turns of a step.
 
     A behaviour that reads its neighbours must see the bodies before it after their move, and those behind it before
@@ -42,14 +46,15 @@ def take_turns(movers: Ints, behaviors: Sequence[Group], kinematics: Sequence[Gr
         movers: Bodies that can move, ascending.
         behaviors: Groups of bodies that decide.
         kinematics: Groups of bodies that move.
+        driven: Bodies with a drive, ascending.
         in_order: Whether bodies move one after another; False for a single turn.
     """
     readers = [group.members for group in behaviors if group.kind.reads_neighbors] if in_order else []
     if not readers:
-        return [Turn(list(behaviors), movers, list(kinematics))]
+        return [Turn(list(behaviors), movers, list(kinematics), driven)]
     firsts = np.sort(np.concatenate(readers))
     # Turn k begins with the k-th body that reads its neighbours; turn 0 holds the bodies before the first of them.
-    turn_of_mover = np.searchsorted(firsts, movers, side="right")
+    turn_of_mover, turn_of_driven = (np.searchsorted(firsts, bodies, side="right") for bodies in (movers, driven))
     decided = [_split(group, firsts) for group in behaviors]
     moved = [_split(group, firsts) for group in kinematics]
     return [
@@ -57,6 +62,7 @@ def take_turns(movers: Ints, behaviors: Sequence[Group], kinematics: Sequence[Gr
             [parts[turn] for parts in decided if turn in parts],
             movers[turn_of_mover == turn],
             [parts[turn] for parts in moved if turn in parts],
+            driven[turn_of_driven == turn],
         )
         for turn in np.unique(turn_of_mover).tolist()
     ]

@@ -88,11 +88,15 @@ class WorldContext:
         bodies: What the file says of each body.
         sensors: Groups of sensors with their readings.
         detect: Writes who is in a body's field of view, see ``simulator.engine.field_of_view``.
+        weighed: Returns the masses of the bodies (``simulator.pushing.matter.Matter``).
+        pushing: What they feel of each other (``simulator.pushing.memory.Pushing``); None if they do not push.
     """
 
     bodies: Sequence[Any]
     sensors: Sequence[Group]
     detect: Callable[..., None]
+    weighed: Callable[[], Any]
+    pushing: Any
 
 
 def find_sensor(

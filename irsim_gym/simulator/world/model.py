@@ -24,8 +24,8 @@ ROBOT, OBSTACLE = 0, 1
 """Values of ``role``."""
 POSITION, STATE = 0, 1
 """Values of ``arrive_mode``: with STATE, the heading decides about arrival too."""
-STOP, UNOBSTRUCTED, UNOBSTRUCTED_OBSTACLES = 0, 1, 2
-"""Values of ``collision_mode``: a collision stops all that touch, nobody, or robots alone."""
+STOP, UNOBSTRUCTED, UNOBSTRUCTED_OBSTACLES, CONTACT = 0, 1, 2, 3
+"""Values of ``collision_mode``: a collision stops all that touch, nobody, robots alone, or nobody, but bodies push."""
 KEEP_GOAL, WANDER, LOOP = 0, 1, 2
 """Values of ``goal_renewal``: what happens to goals after arrival."""
 NO_DRIVE, DIFFERENTIAL, OMNI_WORLD, OMNI_BODY, OMNI_ANGULAR, ACKERMANN = -1, 0, 1, 2, 3, 4
@@ -50,7 +50,7 @@ class Model(Arrays):
     bounds: Floats = column("4", np.float64, "m", "world rectangle: x_min, y_min, x_max, y_max")
     step_time: Floats = column("1", np.float64, "s", "duration of a step")
     rigid: Flags = column("1", np.bool_, "", "neither outlines nor maps are drawn anew for each level")
-    collision_mode: Ints = column("1", np.int64, "", "STOP, UNOBSTRUCTED or UNOBSTRUCTED_OBSTACLES")
+    collision_mode: Ints = column("1", np.int64, "", "STOP, UNOBSTRUCTED, UNOBSTRUCTED_OBSTACLES or CONTACT")
     role: Ints = column("body", np.int64, "", "ROBOT or OBSTACLE")
     movable: Flags = column("body", np.bool_, "", "False for a body that never moves")
     drive: Ints = column("body", np.int64, "", "DIFFERENTIAL to ACKERMANN; NO_DRIVE for any other, and without one")

@@ -24,12 +24,14 @@ class Outline:
         discs: x, y, radius of each disc [m], shape ``(n_discs, 3)``.
         solid: The segments are the closed boundary of an area, not a curve.
         centroid: Centre of the area [m], where parts that overlap would count twice; else it is worked out.
+        parts: Corners of the polygons that it is the union of [m], ``(n, 2)`` each; empty for a simple outline.
     """
 
     segments: Floats = field(default_factory=lambda: np.zeros((0, 4)))
     discs: Floats = field(default_factory=lambda: np.zeros((0, 3)))
     solid: bool = True
     centroid: tuple[float, float] | None = None
+    parts: tuple[Floats, ...] = ()
 
 
 def chain(vertices: Floats, *, closed: bool) -> Floats:

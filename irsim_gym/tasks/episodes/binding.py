@@ -7,9 +7,9 @@ import numpy as np
 from irsim_gym.base.arraytypes import Flags, Ints, Rays
 from irsim_gym.base.contract import is_foreign
 from irsim_gym.base.registry import Registry
-from irsim_gym.simulator.engine import Simulation, field_of_view
+from irsim_gym.simulator.engine import Simulation
 from irsim_gym.simulator.world.arrays import aligned
-from irsim_gym.simulator.world.group import Group, WorldContext
+from irsim_gym.simulator.world.group import Group
 from irsim_gym.simulator.world.kinds import NamesCommand
 from irsim_gym.simulator.world.model import OMNI_WORLD, ROBOT
 from irsim_gym.tasks.definition.task import Task
@@ -31,8 +31,7 @@ def bind(family: Registry, options: Sequence[object], simulation: Simulation, ta
     agents = np.array(task.agents, np.int64)
     sizes = action_sizes(simulation, agents)
     words = tuple(_action_words(simulation, task, int(b)) for b in agents)
-    parts = simulation.parts
-    context = WorldContext(simulation.scenario.bodies, parts.sensors, field_of_view.detect)
+    parts, context = simulation.parts, simulation.context
     terms: list[Term] = []
     for column, item in enumerate(options):
         term = Term(family.name_of(type(item)), item, agents, task.max_steps, int(sizes.max()), sizes, column)

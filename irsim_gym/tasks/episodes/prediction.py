@@ -15,7 +15,7 @@ from irsim_gym.simulator.geometry.angles import TURN, nearly_arctan2
 from irsim_gym.simulator.step import outlines
 from irsim_gym.simulator.step.disturbances import copy_rows
 from irsim_gym.simulator.world.disturbed import Disturbed, whole_steps
-from irsim_gym.simulator.world.model import ACKERMANN, DIFFERENTIAL
+from irsim_gym.simulator.world.model import ACKERMANN
 from irsim_gym.simulator.world.names import Floats, Ints, Model, Rays, Shard, State, Struct, kernel, row_of
 from irsim_gym.simulator.world.own_scan import OwnScan
 from irsim_gym.simulator.world.twist import body_twist
@@ -185,9 +185,7 @@ def roll_forward(
                 now[axis] = 0.0 if state.stopped[w, b] else state.velocity[w, b, axis]
                 way[axis] = 0.0
             cosine, sine = np.cos(pose[2]), np.sin(pose[2])
-            # As in the graph, a car whose command has a turn rate turns where it stands.
-            turns = model.drive[b] == ACKERMANN and not under_way.steers[a]
-            drive, wheelbase = DIFFERENTIAL if turns else model.drive[b], model.wheelbase[b]
+            wheelbase = model.wheelbase[b] if under_way.steers[a] else 0.0
             count = whole_steps(under_way.delay[w, a], dt)
             for k in range(count):
                 span = dt if k > 0 else under_way.delay[w, a] - (count - 1) * dt
@@ -196,7 +194,7 @@ def roll_forward(
                     # Before the first command, the drive stands still.
                     asked, change = sent[number % n_kept, axis] if number > 0 else 0.0, sharpest[b, axis] * span
                     now[axis] += min(max(asked - now[axis], -change), change)
-                ahead, left, rate = body_twist(now, now[1], cosine, sine, drive, wheelbase)
+                ahead, left, rate = body_twist(now, now[1], cosine, sine, model.drive[b], wheelbase)
                 middle = way[2] + 0.5 * span * rate
                 way[0] += (ahead * np.cos(middle) - left * np.sin(middle)) * span
                 way[1] += (ahead * np.sin(middle) + left * np.cos(middle)) * span

@@ -123,6 +123,25 @@ class Value:
         """Return the maximum along an axis, which goes."""
         return self.op("ReduceMax", axes=[axis], keepdims=0)
 
+    def between(self, low: Number, high: Number) -> Value:
+        """Return the value within limits."""
+        if np.unique(low).size > 1 or np.unique(high).size > 1:
+            return self.most(low).least(high)
+        return self.graph.op("Clip", [self, *(self._alike(np.max(limit)) for limit in (low, high))], self.dtype)
+
+    def length(self, axis: int, *, keeps: bool = False) -> Value:
+        """Return the lengths of vectors, whose components an axis has; it goes, or keeps one number."""
+        # onnxruntime 1.17 has no ReduceL2 of float64.
+        return self.op("ReduceSumSquare", axes=[axis], keepdims=int(keeps)).op("Sqrt")
+
+    def unit(self) -> Value:
+        """Return cosines and sines of angles [rad], ``(batch, 2)`` of ``(batch, 1)``."""
+        return (self + np.array([0.5 * np.pi, 0.0])).op("Sin")
+
+    def shaped(self, *shape: int) -> Value:
+        """Return the value in another shape behind the axis of the batch."""
+        return self.graph.op("Reshape", [self, self.graph.constant(np.array([0, *shape]))], self.dtype)
+
     def where(self, yes: Value, no: Value | Number) -> Value:
         """Return ``yes`` where it is true, else ``no``."""
         return self.graph.op("Where", [self, yes, yes._alike(no)], yes.dtype)
@@ -151,20 +170,17 @@ class Graph:
     """
 
     starts: dict[str, NDArray[Any]] = field(default_factory=dict)
-    _nodes: list[Any] = field(default_factory=list)
+    _nodes: list[tuple[str, list[str], list[str], dict[str, Any]]] = field(default_factory=list)
     _constants: dict[tuple[Any, ...], str] = field(default_factory=dict)
     _arrays: dict[str, NDArray[Any]] = field(default_factory=dict)
     _inputs: dict[str, tuple[np.dtype[Any], tuple[int | str, ...]]] = field(default_factory=dict)
-    _outputs: dict[str, tuple[np.dtype[Any], tuple[int | str, ...]]] = field(default_factory=dict)
+    _outputs: dict[str, tuple[Value, tuple[int, ...]]] = field(default_factory=dict)
 
     def op(self, kind: str, inputs: Sequence[Value], dtype: Any, **attributes: Any) -> Value:
         """Add a node, and return its output of type ``dtype``; of TopK the places."""
-        from onnx import helper
-
         name = f"{kind.lower()}_{len(self._nodes)}"
-        # Nodes have names: onnxruntime 1.19 merges nodes under names of theirs, and refuses two of the same name.
         outputs = [f"{name}_values", name] if kind == "TopK" else [name]
-        self._nodes.append(helper.make_node(kind, [value.name for value in inputs], outputs, name=name, **attributes))
+        self._nodes.append((kind, [value.name for value in inputs], outputs, attributes))
         return Value(self, name, np.dtype(dtype))
 
     def constant(self, array: NDArray[Any]) -> Value:
@@ -190,10 +206,7 @@ class Graph:
 
     def output(self, name: str, value: Value, *shape: int) -> None:
         """Name an output, of shape ``(batch, *shape)``."""
-        from onnx import helper
-
-        self._nodes.append(helper.make_node("Identity", [value.name], [name], name=name))
-        self._outputs[name] = (value.dtype, shape)
+        self._outputs[name] = (value, shape)
 
     def join(self, values: Sequence[Value], axis: int = 1) -> Value:
         """Return values side by side."""
@@ -203,14 +216,24 @@ class Graph:
         """Return the ``onnx.ModelProto``, without nodes and inputs that no output depends on."""
         from onnx import helper, numpy_helper
 
-        needed, nodes = set(self._outputs), []
-        for node in reversed(self._nodes):
-            if needed.intersection(node.output):
-                nodes.append(node)
-                needed.update(node.input)
+        fed = {*self._inputs, *self._arrays}
+        names = {value.name: name for name, (value, _) in self._outputs.items() if value.name not in fed}
+        needed, nodes, every = set(self._outputs), [], self._nodes.copy()
+        for key, (value, _) in self._outputs.items():
+            if names.get(value.name) != key:
+                every.append(("Identity", [value.name], [key], {}))
+        for kind, *ends, attributes in reversed(every):
+            taken, found = ([names.get(end, end) for end in some] for some in ends)
+            if needed.intersection(found):
+                # Nodes have names: onnxruntime 1.19 merges nodes under names of theirs, and refuses two of the same.
+                nodes.append(helper.make_node(kind, taken, found, name=found[-1], **attributes))
+                needed.update(taken)
         inputs, outputs = (
-            [helper.make_tensor_value_info(key, code_of(dtype), [BATCH, *shape]) for key, (dtype, shape) in some]
-            for some in ([pair for pair in self._inputs.items() if pair[0] in needed], self._outputs.items())
+            [helper.make_tensor_value_info(key, code_of(dtype), [BATCH, *shape]) for key, dtype, shape in some]
+            for some in (
+                [(key, *form) for key, form in self._inputs.items() if key in needed],
+                [(key, value.dtype, shape) for key, (value, shape) in self._outputs.items()],
+            )
         )
         arrays = [numpy_helper.from_array(array, key) for key, array in self._arrays.items() if key in needed]
         graph = helper.make_graph(nodes[::-1], name, inputs, outputs, arrays)
@@ -249,15 +272,18 @@ class RobotValues:
     action: Value
     bodies: Value
 
-    def own_frame(self, x: Value, y: Value) -> tuple[Value, Value]:
-        """Return places [m] in its own frame: ahead and to the left."""
-        return self.turned(x - self.pose.columns(0, 1), y - self.pose.columns(1, 2))
+    def ways(self, places: Value) -> Value:
+        """Return the ways from its own place to others [m], in the axes of the world, ``(batch, n, 2)``."""
+        return places - self.pose.columns(0, 2).spread(1)
 
-    def turned(self, dx: Value, dy: Value) -> tuple[Value, Value]:
-        """Return vectors in the axes of its own frame: ahead and to the left."""
-        heading = self.pose.columns(2, 3)
-        cosine, sine = heading.op("Cos"), heading.op("Sin")
-        return dx * cosine + dy * sine, dy * cosine - dx * sine
+    def turned(self, ways: Value) -> Value:
+        """Return vectors in the axes of its own frame, ahead and to the left, ``(batch, n, 2)``."""
+        return ways.times(rotation(self.pose.columns(2, 3)))
+
+    def direction(self, way: Value) -> Value:
+        """Return cosine and sine of the direction of one way, ``(batch, 1, 2)``: straight ahead without a way."""
+        d = way.length(2)
+        return (d > 0.0).where(self.turned(way).op("Flatten") / d, np.array([1.0, 0.0]))
 
     def others(self, count: int) -> Value:
         """Return other bodies as in ``bodies``, but places from its own on; the last ``count`` rows are absent."""
@@ -289,21 +315,33 @@ class HasGraph(Protocol):
         """
 
 
-def sector_flags(x: Value, y: Value, count: int) -> Value:
-    """Return in which sector around the robot each place lies, ``(batch, n, count)``; the first begins straight behind.
+def rotation(angle: Value, *shape: int) -> Value:
+    """Return matrices that turn rows of vectors to the right, and columns to the left, ``(batch, *shape, 2, 2)``.
 
     Args:
-        x: How far ahead each place is [m], ``(batch, n)``.
-        y: How far to the left it is [m].
+        angle: By how much [rad], ``(batch, *shape, 1)``.
+        shape: Its shape without the first and the last axis.
+    """
+    return (angle + np.array([0.5, 1.0, 0.0, 0.5]) * np.pi).op("Sin").shaped(*shape, 2, 2)
+
+
+def sector_flags(places: Value, count: int) -> Value:
+    """Return in which sector around the robot each place lies, ``(..., count, n)``; the first begins straight behind.
+
+    Args:
+        places: How far ahead and to the left each place is [m], ``(..., 2, n)``; of NaN it lies nowhere.
         count: Number of sectors.
     """
-    if count == 1:
-        return ~(x.is_nan().spread(2))
-    return between_edges(x, y, 2.0 * np.pi * np.arange(count + 1) / count - np.pi)
+    # A place lies in a sector if it is as far along the middle of it as on its edges, or farther. A place on an edge
+    # belongs to the sector that begins there, whatever is rounded.
+    middle = 2.0 * np.pi * (np.arange(count) + 0.5) / count - np.pi - 1e-12
+    edge = np.full(count, -np.cos(np.pi / count) if count > 1 else 2.0)
+    sectors = places.graph.constant(np.stack([np.cos(middle), np.sin(middle), edge], axis=1))
+    return sectors.times(places.graph.join([places, places.length(-2, keeps=True)], axis=-2)) >= 0.0
 
 
 def between_edges(x: Value, y: Value, edges: Floats) -> Value:
-    """Return between which edges each place lies, ``(batch, n, n_edges - 1)``.
+    """Return between which edges each place lies, ``(batch, n_edges - 1, n)``.
 
     Args:
         x: How far ahead each place is [m], ``(batch, n)``.
@@ -311,6 +349,6 @@ def between_edges(x: Value, y: Value, edges: Floats) -> Value:
         edges: Ascending angles [rad]; neighbours are at most half a turn apart.
     """
     # A place on an edge belongs to the sector that begins there, whatever is rounded.
-    turned = np.stack([-np.sin(edges - 1e-12), np.cos(edges - 1e-12)]).astype(x.dtype)
-    begun = x.graph.join([x.spread(-1), y.spread(-1)], axis=-1).times(turned) >= 0.0
-    return begun.columns(0, len(edges) - 1, -1) & ~begun.columns(1, len(edges), -1)
+    turned = x.graph.constant(np.stack([-np.sin(edges - 1e-12), np.cos(edges - 1e-12)], axis=1).astype(x.dtype))
+    begun = turned.times(x.graph.join([x.spread(1), y.spread(1)])) >= 0.0
+    return begun.columns(0, len(edges) - 1) & ~begun.columns(1, len(edges))

@@ -91,7 +91,8 @@ def new_model(settings: Settings) -> BaseAlgorithm:
         model = kind(arguments.pop("policy", policy), env, seed=settings.seed, device=device, **arguments)
     except (TypeError, ValueError, AssertionError, KeyError) as error:
         env.close()
-        raise IrsimGymError(f"{settings.algorithm} does not take these hyper-parameters: {error}") from error
+        why = str(error).replace(str(env.observation_space), "these observations")  # else all their bounds
+        raise IrsimGymError(f"{settings.algorithm} does not take these hyper-parameters: {why}") from error
     _check_mirror(model, settings)
     env.seed(settings.first_level)
     return model

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 import irsim_gym as ig
 from irsim_gym.bodies.behaviors.hybrid_astar.moves import BACKWARD, FORWARD, MOST_MOVES, MOVE, SPARE, SPIN, lay_moves
-from irsim_gym.bodies.behaviors.hybrid_astar.queue import PoseNodes, close_cell, is_closed, pop, push
+from irsim_gym.bodies.behaviors.hybrid_astar.queue import PoseMemory, close_cell, is_closed, pop, push
 from irsim_gym.bodies.behaviors.pursuit.motion import Moving
 from irsim_gym.envs.gymnasium.worlds import Worlds
 from irsim_gym.evaluation.levels import level_commands
@@ -23,7 +23,7 @@ from irsim_gym.evaluation.protocol.teams import evaluate_team
 from irsim_gym.evaluation.requests.episode_setup import make_episodes
 from irsim_gym.scenario.specs.library import configs_folder
 from irsim_gym.simulator.engine import Simulation
-from irsim_gym.simulator.world.model import ACKERMANN, DIFFERENTIAL, OMNI_WORLD
+from irsim_gym.simulator.world.model import ACKERMANN, DIFFERENTIAL
 from irsim_gym.simulator.world.outline import outline_rows, placed
 
 Floats = NDArray[np.float64]
@@ -63,25 +63,21 @@ def shipped(name: str, n_worlds: int) -> Simulation:
 
 
 def way_of(simulation: Simulation, world: int = 0) -> Floats:
-    """Return x, y, heading, ahead, left, turn and gear of each move."""
+    """Return x, y, heading, ahead, turn and gear of each move."""
     tables = simulation.parts.behaviors[0].tables
-    found: Floats = tables.pieces[world, 0, : tables.count[world, 0]].copy()
-    return found
+    pieces = tables.pieces[world, 0, : tables.count[world, 0]]
+    return np.stack([pieces[name] for name in ("x", "y", "heading", "ahead", "turn", "gear")], axis=1)
 
 
 def poses_on(way: Floats, n: int) -> Floats:
     """Return n poses on each move, both ends included, by the formula of a circle, shape ``(n_moves, n, 3)``."""
     share = np.linspace(0.0, 1.0, n)
-    x, y, heading, ahead, left, turn, _ = (column[:, None] for column in way.T)
+    x, y, heading, ahead, turn, _ = (column[:, None] for column in way.T)
     angle = heading + turn * share
     straight = np.abs(turn) < 1e-12
     radius = np.where(straight, 0.0, ahead / np.where(straight, 1.0, turn))
-    dx = np.where(
-        straight, share * (ahead * np.cos(heading) - left * np.sin(heading)), radius * (np.sin(angle) - np.sin(heading))
-    )
-    dy = np.where(
-        straight, share * (ahead * np.sin(heading) + left * np.cos(heading)), radius * (np.cos(heading) - np.cos(angle))
-    )
+    dx = np.where(straight, share * ahead * np.cos(heading), radius * (np.sin(angle) - np.sin(heading)))
+    dy = np.where(straight, share * ahead * np.sin(heading), radius * (np.cos(heading) - np.cos(angle)))
     return np.stack(np.broadcast_arrays(x + dx, y + dy, angle), axis=-1)
 
 
@@ -101,10 +97,10 @@ def bodies_at(simulation: Simulation, poses: Floats) -> Any:
     return np.array([shapely.Polygon(placed(*local, tuple(pose))[0][:, :2]) for pose in poses])
 
 
-def moves_of(drive: int, low: list[float], high: list[float], heading: float = 0.0) -> Any:
-    still, moves, pose = np.zeros(3), np.zeros(MOST_MOVES, MOVE), np.array([0.0, 0.0, heading])
+def moves_of(drive: int, low: list[float], high: list[float]) -> Any:
+    still, moves = np.zeros(3), np.zeros(MOST_MOVES, MOVE)
     limits = np.array([*low, 0.0]), np.array([*high, 0.0]), np.full(3, np.inf)
-    return moves[: lay_moves(Moving(drive, False, 0.5, 0.1, pose, 0.0, still, *limits), 0.1, moves)]
+    return moves[: lay_moves(Moving(drive, False, 0.5, 0.1, still, 0.0, still, *limits), 0.1, moves)]
 
 
 def test_moves_stay_within_the_limits_of_a_car() -> None:
@@ -134,15 +130,6 @@ def test_backward_arcs_turn_as_fast_as_the_body_does_to_that_side() -> None:
         assert (rates.min(), rates.max()) == pytest.approx((-SPARE * 1.0, SPARE * 1.5))
 
 
-def test_slides_are_along_the_axes_that_have_limits() -> None:
-    """A body that faces up, and may move at 1 m/s along the world's x axis, to its sides, and at half of it along y."""
-    moves = moves_of(OMNI_WORLD, [-1.0, -0.5], [1.0, 0.5], np.pi / 2)
-    asides, aheads = (np.abs(moves[name]) > 0.2 - 1e-9 for name in ("left", "ahead"))
-    assert (asides.sum(), aheads.sum()) == (2, 2)
-    assert moves["seconds"][asides] == pytest.approx(0.2)
-    assert moves["seconds"][aheads] == pytest.approx(0.4)
-
-
 @pytest.mark.parametrize("goal", [[20, 22], [18, 20]])
 def test_a_car_without_a_reverse_gear_comes_round_to_a_goal_close_by(goal: list[float]) -> None:
     # Its smallest circle has the radius 0.7 / tan(0.9 * 0.2) = 3.8 m, so it has to go farther away from the goal first,
@@ -154,33 +141,33 @@ def test_a_car_without_a_reverse_gear_comes_round_to_a_goal_close_by(goal: list[
     simulation.reset(seed=0)
     assert run(simulation, 400) < 400
     way = way_of(simulation)
-    assert (way[:, 6] == FORWARD).all()
-    assert np.abs(way[:, 5] / way[:, 3]).max() <= np.tan(SPARE * 0.2) / 0.7 + 1e-9
+    assert (way[:, 5] == FORWARD).all()
+    assert np.abs(way[:, 4] / way[:, 3]).max() <= np.tan(SPARE * 0.2) / 0.7 + 1e-9
 
 
 def test_the_queue_sorts_and_cells_are_found_again() -> None:
     generator = np.random.default_rng(0)
-    nodes = PoseNodes(*(part[0] for part in PoseNodes.reserve(1)))
+    memory = PoseMemory(*(part[0] for part in PoseMemory.reserve(1)))
     keys, size = generator.integers(0, 50, 200).astype(float), 0
     for node, key in enumerate(keys):
-        size = push(nodes, size, float(key), node)
+        size = push(memory, size, float(key), node)
     taken = []
     while size > 0:
-        taken.append(keys[pop(nodes, size)])
+        taken.append(keys[pop(memory, size)])
         size -= 1
     assert taken == sorted(keys)
-    nodes.closed[:] = -1
+    memory.closed[:] = -1
     cells = np.unique(generator.integers(0, 10**7, 2000))
     for cell in cells[::2].tolist():
-        close_cell(nodes.closed, cell)
-    assert [is_closed(nodes.closed, cell) for cell in cells.tolist()] == [k % 2 == 0 for k in range(len(cells))]
+        close_cell(memory.closed, cell)
+    assert [is_closed(memory.closed, cell) for cell in cells.tolist()] == [k % 2 == 0 for k in range(len(cells))]
 
 
 def test_a_free_way_is_straight() -> None:
     simulation = begun({**LONG, "kinematics": {"name": "diff"}, "state": [1, 5, 0], "goal": [6, 5, 0]})
     steps = run(simulation, 100)
     way = way_of(simulation)
-    assert np.abs(way[:, [2, 4, 5]]).max() == 0.0
+    assert np.abs(way[:, [2, 4]]).max() == 0.0
     assert way[:, 1].tolist() == [5.0] * len(way)
     assert way[:, 3].sum() == pytest.approx(5.0, abs=0.6 * 0.2)
     assert steps == pytest.approx((5.0 - 0.2) / 0.1, abs=2)  # at 1 m/s, to within the threshold
@@ -221,7 +208,7 @@ def test_a_car_turns_around_in_a_dead_end(turn: int, mirror: bool) -> None:
     simulation = begun({**robot, "arrive_mode": "state"}, [turned(list(point), turn, mirror) for point in DEAD_END])
     assert run(simulation, 400) < 400
     way = way_of(simulation)
-    assert {FORWARD, BACKWARD} <= set(way[:, 6].tolist())
+    assert {FORWARD, BACKWARD} <= set(way[:, 5].tolist())
     dx, dy, angle = simulation.state.pose[0, 0] - simulation.state.goal[0, 0]
     angle = (angle + np.pi) % (2 * np.pi) - np.pi
     assert np.sqrt(dx * dx + dy * dy + angle * angle) < 0.3
@@ -247,9 +234,8 @@ def test_it_waits_for_what_moves() -> None:
     assert run(simulation, 100) < 100
 
 
-@pytest.mark.parametrize("drive", ["omni", "diff"])
-def test_no_way_no_command(drive: str) -> None:
-    robot = {**LONG, "kinematics": {"name": drive}, "state": [3.0, 5.0, 0.3], "goal": [8.0, 5.0]}
+def test_no_way_no_command() -> None:
+    robot = {**LONG, "kinematics": {"name": "diff"}, "state": [3.0, 5.0, 0.3], "goal": [8.0, 5.0]}
     box = [[2.0, 4.0], [4.0, 4.0], [4.0, 6.0], [2.0, 6.0], [2.0, 4.0]]
     simulation = begun(robot, box)
     run(simulation, 10)
@@ -258,31 +244,27 @@ def test_no_way_no_command(drive: str) -> None:
 
 @pytest.mark.parametrize("goal", [[5.0, 5.05], [5.0, 12.0]])
 def test_no_search_for_a_goal_within_a_wall_or_outside_of_the_world(goal: list[float]) -> None:
-    robot = {**LONG, "kinematics": {"name": "omni"}, "state": [3.0, 5.0, 0.3], "goal": goal}
+    robot = {**LONG, "kinematics": {"name": "diff"}, "state": [3.0, 5.0, 0.3], "goal": goal}
     simulation = begun(robot, [[4.5, 5.0], [6.0, 5.0]])
     run(simulation, 3)
     assert simulation.state.pose[0, 0].tolist() == [3.0, 5.0, 0.3]
-    assert not simulation.parts.behaviors[0].tables.nodes.closed.any()  # a search begins by clearing its cells to -1
+    assert not simulation.parts.behaviors[0].tables.memory.closed.any()  # a search begins by clearing its cells to -1
 
 
-def test_a_search_whose_memory_is_full_is_the_last() -> None:
-    """All poses are those of the first search, whose moves lead out of cells of 0.15 m, and not of finer ones."""
-    robot = {**LONG, "kinematics": {"name": "omni"}, "state": [3.0, 5.0, 0.3], "goal": [8.0, 5.0]}
+@pytest.mark.parametrize(("room", "longest"), [(60, 1.2), (1 << 19, 0.075)])
+def test_cells_become_coarser_if_the_memory_is_full_and_finer_if_there_is_no_way(room: int, longest: float) -> None:
+    """Moves lead two cells ahead, of 0.15 m at first; the poses in memory are those of the third search."""
+    robot = {**LONG, "kinematics": {"name": "diff"}, "state": [3.0, 5.0, 0.3], "goal": [8.0, 5.0]}
     simulation = begun(robot, [[2.0, 4.0], [4.0, 4.0], [4.0, 6.0], [2.0, 6.0], [2.0, 4.0]])
-    tables, room = simulation.parts.behaviors[0].tables, 60
-    small = {name: getattr(tables.nodes, name)[:, :room] for name in ("pose", "cost", "room", "parent", "move")}
-    tables.nodes = tables.nodes._replace(**{name: part.copy() for name, part in small.items()})
+    tables = simulation.parts.behaviors[0].tables
+    tables.memory = tables.memory._replace(nodes=tables.memory.nodes[:, :room].copy())
     simulation.step()
-    pose, parent = tables.nodes.pose[0, 1:20], tables.nodes.parent[0, 1:20]
-    lengths = np.hypot(*(pose - tables.nodes.pose[0, parent])[:, :2].T)
     assert tables.cell[0] == pytest.approx(0.15)
-    assert lengths.max() >= 0.15
+    assert np.abs(tables.memory.nodes[0, 1:20]["ahead"]).max() == pytest.approx(longest)
 
 
 DRIVES: dict[str, dict[str, Any]] = {
     "diff": {"vel_min": [-0.5, -1.0], "acce": [1.0, 2.0]},
-    "omni": {"kinematics": {"name": "omni"}, "vel_max": [1, 1], "vel_min": [-1, -1]},
-    "omni_angular": {"kinematics": {"name": "omni_angular"}, "vel_max": [1, 1, 1], "vel_min": [-1, -1, -1]},
     "acker by rate": {
         "kinematics": {"name": "acker", "mode": "angular", "wheelbase": 0.2},
         "vel_max": [1, 1.0],

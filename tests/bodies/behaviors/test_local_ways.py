@@ -14,10 +14,11 @@ from irsim_gym.base.kernels import kernel
 from irsim_gym.bodies.behaviors.local_planners.dwa import MOST_SAMPLES, Dwa
 from irsim_gym.bodies.behaviors.local_planners.dwa_search import note_move, note_turn
 from irsim_gym.bodies.behaviors.local_planners.paths import keep_way
-from irsim_gym.bodies.behaviors.local_planners.rollouts import POSES, Wheels, gap_at, is_round, lay_poses, twist_of
+from irsim_gym.bodies.behaviors.local_planners.rollouts import POSES, gap_at, is_round, lay_poses, twist_of
 from irsim_gym.bodies.behaviors.local_planners.seen_way import find_seen_way, is_still_free, note_hit
 from irsim_gym.bodies.behaviors.local_planners.task import see_hits, task_of
 from irsim_gym.bodies.behaviors.local_planners.way import advance_on_way, lay_way, nearest_on_side, off_way
+from irsim_gym.bodies.behaviors.pursuit.motion import Moving
 from irsim_gym.simulator.engine import Simulation
 from irsim_gym.simulator.paths.grid import Grid
 from irsim_gym.simulator.world.model import ACKERMANN, DIFFERENTIAL, OMNI_BODY, OMNI_WORLD
@@ -253,7 +254,9 @@ def test_the_goal_is_in_the_frame_of_the_body() -> None:
 )
 def test_the_twist_of_a_command(drive: int, by_rate: bool, asked: Any, twist: Any) -> None:
     """The body's heading has the cosine 0.8 and the sine 0.6."""
-    assert twist_of(Wheels(drive, by_rate, 0.5, 0.8, 0.6), *asked) == pytest.approx(twist)
+    unused = np.zeros(3)
+    moving = Moving(drive, by_rate, 0.5, 0.1, unused, 0.0, unused, unused, unused, unused)
+    assert twist_of(moving, (0.8, 0.6), *asked) == pytest.approx(twist)
 
 
 def outline(segments: Any, discs: Any) -> BodyOutline:

@@ -9,7 +9,6 @@ import pytest
 import shapely
 
 import irsim_gym as ig
-from irsim_gym.bodies.sensors import scanning
 
 DIFF: dict[str, Any] = {"kinematics": {"name": "diff"}, "shape": {"name": "circle", "radius": 0.2}}
 
@@ -151,35 +150,3 @@ def test_scans_of_random_rooms_agree_with_shapely(name: str) -> None:
             apart.append(abs(expected - float(found)))
     # A beam that grazes a corner may fall to either side of it in float32.
     assert np.quantile(apart, 0.998) < 1e-4
-
-
-def test_rooms_and_larger_worlds_are_scanned_alike(monkeypatch: pytest.MonkeyPatch) -> None:
-    square = {"name": "polygon", "vertices": [[-1, -1], [1, -1], [1, 1], [-1, 1]]}
-    robots = {**DIFF, "number": 3, "distribution": {"name": "random", "range_low": [1, 1, -3], "range_high": [9, 9, 3]}}
-    sensor = {"name": "lidar2d", "range_max": 6, "number": 100, "angle_range": 5.0, "offset": [0.1, 0.0, 0.3]}
-    boxes = {"number_range": [1, 4], "shape": {"name": "rectangle", "length": 1.0, "width": 0.5}}
-    data = {
-        "world": {"collision_mode": "unobstructed"},
-        "robot": [
-            {**robots, "sensors": [sensor]},
-            {**DIFF, "shape": square, "state": [5, 5, 0.4], "sensors": [{**sensor, "offset": [0, 0, 0]}]},
-        ],
-        "obstacle": [
-            {**boxes, "distribution": {"name": "random", "range_low": [0, 0, -3], "range_high": [10, 10, 3]}},
-            {"shape": {"name": "polygon", "vertices": [[1, 6], [4, 6], [4, 9], [1, 9]]}, "unobstructed": True},
-            {"shape": {"name": "linestring", "vertices": [[0, 0], [10, 0], [10, 10]]}},
-        ],
-    }
-    sim = ig.compile(ig.load_scenario(data), 40)
-    sim.reset(3)
-    sim.state.pose[::2, :3, :2] = [5.2, 4.9]  # within the square robot
-    found = []
-    for small in (True, False):
-        monkeypatch.setattr(scanning, "is_small", lambda model, small=small: small)
-        for group in sim.sensors:
-            group.arrays["ranges"][:] = 0.0
-            scanning.scan(group, sim.model, sim.state, sim.shards.all[0])
-        found.append([group.arrays["ranges"].copy() for group in sim.sensors])
-    assert len({int(there.sum()) for there in sim.model.present}) > 1
-    for room, large in zip(*found, strict=True):
-        np.testing.assert_array_equal(room, large)

@@ -15,23 +15,6 @@ from irsim_gym.errors import IrsimGymError, UnknownNameError
 TEAM = "corridor_two_way"
 
 
-@pytest.mark.parametrize(
-    ("kwargs", "error", "told"),
-    [
-        ({"wrapper_class": TimeFeatureWrapper}, IrsimGymError, "env_util.make_vec_env.*VecEnvWrapper"),
-        ({"vec_env_cls": DummyVecEnv}, IrsimGymError, "num_threads: stable_baselines3.common.env_util.make_vec_env"),
-        ({"vec_env_kwargs": {"start_method": "fork"}}, IrsimGymError, "env_util.make_vec_env"),
-        ({"env_kwargs": {"max_steps": 3}}, IrsimGymError, "env_kwargs holds keywords of this function: pass them"),
-        ({"monitor_dir": "logs"}, IrsimGymError, "VecMonitor.env, FILE. writes one of a batch"),
-    ],
-)
-def test_what_a_batch_does_not_do_is_told_with_who_does(kwargs, error, told):
-    with pytest.raises(error, match=told):
-        irsim_gym.sb3.make_vec_env(STILL, 2, **kwargs)
-    nothing = {"wrapper_class": None, "wrapper_kwargs": {}, "vec_env_cls": None, "vec_env_kwargs": None}
-    assert irsim_gym.sb3.make_vec_env(STILL, 2, **nothing, env_kwargs=None).num_envs == 2
-
-
 @pytest.mark.parametrize("given", [{"wrappers": [TimeFeatureWrapper]}, {"vector_kwargs": {"copy": False}}])
 def test_what_gymnasium_does_with_single_environments_alone(given):
     with pytest.raises(IrsimGymError, match=f"{next(iter(given))} is for .* vectorization_mode='sync' or 'async'"):
@@ -82,9 +65,10 @@ def test_a_keyword_of_nobody_leads_to_one_that_exists(name, told):
 @pytest.mark.parametrize(
     ("name", "owners", "told"),
     [
-        ("env_kwargs", ("sb3.make_vec_env",), "Stable-Baselines3's own make_vec_env; pass its contents as keywords"),
-        ("monitor_dir", ("sb3.make_vec_env",), "an argument of Stable-Baselines3's own make_vec_env"),
-        ("wrapper_class", ("sb3.make_vec_env",), "Stable-Baselines3's own make_vec_env; wrap the returned environment"),
+        ("env_kwargs", (), "Stable-Baselines3's own make_vec_env; pass its contents as keywords"),
+        ("monitor_dir", (), "own make_vec_env; Stable-Baselines3's VecMonitor(env, FILE) writes one file"),
+        ("vec_env_cls", (), "Stable-Baselines3's own make_vec_env; use 'num_threads'"),
+        ("wrapper_class", (), "Stable-Baselines3's own make_vec_env; wrap the returned environment"),
         ("vector_kwargs", ("make_vec",), "an argument of make_vec with vectorization_mode='sync'"),
         ("max_cycles", ("parallel_env",), "an argument of parallel_env; the time limit is 'max_steps'"),
         ("autoreset_mode", ("make_vec",), "an argument of make_vec"),

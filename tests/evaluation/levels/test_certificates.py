@@ -223,7 +223,7 @@ def assert_same_levels(file: Path, count: int) -> None:
 def test_every_benchmark_has_a_certificate() -> None:
     members = shipped_suite().members.values()
     scenarios = [load_scenario(one.scenario, dict(one.parameters), warn=False) for one in members]
-    assert sorted(map(shipped_certificate, scenarios)) == SHIPPED
+    assert sorted(set(map(shipped_certificate, scenarios))) == SHIPPED
 
 
 @pytest.mark.parametrize("file", SHIPPED, ids=[file.stem for file in SHIPPED])

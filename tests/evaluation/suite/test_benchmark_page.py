@@ -40,9 +40,12 @@ def test_the_rows_of_barn_are_those_of_their_file() -> None:
 
 
 def test_every_benchmark_has_a_picture_and_reference_rows_are_of_benchmarks() -> None:
-    shown = re.findall(r"!\[[^\]]*\]\(benchmarks/(.+)\.png\)", PAGE.read_text(encoding="utf-8"))
-    assert shown == list(shipped_suite().members)
-    assert {file.stem for file in (DOCS / "benchmarks").glob("*.png")} == set(shown)
+    shown = dict(re.findall(r"!\[Levels of (.*)\]\(benchmarks/(.+)\.png\)", PAGE.read_text(encoding="utf-8")))
+    members = shipped_suite().members
+    assert list(shown) == list(members)
+    assert {file.stem for file in (DOCS / "benchmarks").glob("*.png")} == set(shown.values())
+    assert [name for name, file in shown.items() if file != name] == [n for n, m in members.items() if m.disturbed]
+    assert all(members[shown[name]].scenario == member.scenario for name, member in members.items())
     assert set(reference_figures()) <= set(shown)
 
 
@@ -85,4 +88,9 @@ def test_a_run_takes_the_place_of_the_rows_of_its_benchmarks(tmp_path: Path, mon
     run.levels = 10
     run.write(tmp_path / "run")
     with pytest.raises(SystemExit, match="holds 10 test levels, not 1000 test levels"):
+        take_over(tmp_path / "run")
+    for rows in (run.members, run.runs, run.figures):
+        rows["maze_disturbed"] = rows.pop("maze")
+    run.write(tmp_path / "run")
+    with pytest.raises(SystemExit, match="holds 10 test levels, not 250 test levels"):
         take_over(tmp_path / "run")

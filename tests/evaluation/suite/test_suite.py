@@ -9,18 +9,21 @@ from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
 from command_line import run
+from robustness_rows import made, result
 
 from irsim_gym.errors import IrsimGymError, ScenarioError, UnknownNameError
+from irsim_gym.evaluation import Robustness, robustness
 from irsim_gym.evaluation.levels.certificate import read_certificate
 from irsim_gym.evaluation.levels.draw import draw_levels
 from irsim_gym.evaluation.measures.metrics import EpisodeRow
 from irsim_gym.evaluation.measures.team_metrics import AgentRow, TeamRow
 from irsim_gym.evaluation.protocol.tables import plain
-from irsim_gym.evaluation.requests.episode_setup import make_episodes
+from irsim_gym.evaluation.requests.episode_setup import make_episodes, team_conditions
 from irsim_gym.evaluation.requests.methods import ComparedMethod, read_methods
 from irsim_gym.evaluation.suite import playing, suite_tables
 from irsim_gym.evaluation.suite.members import Member, read_suite, shipped_suite
@@ -55,12 +58,75 @@ def test_the_tiers_of_the_shipped_suite_are_its_members() -> None:
         suite.chosen(["cor"])
 
 
+def test_the_robot_tier_disturbs_what_has_a_lidar_in_core() -> None:
+    suite = shipped_suite()
+    core = {one.name: one for one in suite.chosen(["core"])}
+    seeing = [name for name, one in core.items() if conditions_of(one)["beams"]]
+    robot = suite.chosen(["robot"])
+    assert [one.name for one in robot] == [f"{name}_disturbed" for name in core if name in seeing]
+    for one, name in zip(robot, seeing, strict=True):
+        plain = core[name]
+        assert (one.scenario, one.parameters, one.team, one.disturbed) == (name, plain.parameters, plain.team, "all")
+
+
+def conditions_of(member: Member) -> dict[str, Any]:
+    return team_conditions(make_episodes(member.scenario, parameters=member.parameters, team=member.team), "test", 1)
+
+
+def test_a_disturbed_benchmark_is_the_end_of_a_curve_on_the_same_levels(tmp_path: Path) -> None:
+    members, method = shipped_suite().chosen(["cluttered_room", "cluttered_room_disturbed"]), "cluttered_room"
+    record = play_suite(members, [ComparedMethod(method, (method,))], tmp_path, levels=12)
+    plain, disturbed = (record.members[one.name]["conditions"] for one in members)
+    assert {key for key in plain if plain[key] != disturbed[key]} == {"noise"}
+    assert (plain["certificate"], disturbed["noise"]) == ("cluttered_room", 0.03)
+    curve = robustness("cluttered_room", method, factors=["all"], levels=12).curve("all", method)
+    figures = [record.figures[one.name][method] for one in members]
+    assert [one["success"]["value"] for one in figures] == [curve[0].success.value, curve[-1].success.value]
+    assert figures[0]["time"] < figures[1]["time"]
+    shown = suite_tables.member_markdown(record, members[1].name)
+    assert "6 m noise of 0.03 m; disturbed by `latency:time=0.2 * 1; drive_lag:tau=0.2 * 1; " in shown
+    assert "disturbed" not in suite_tables.member_markdown(record, members[0].name)
+
+
+def test_the_latency_that_costs_five_points_is_a_column(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of 99, 97 and 82 % at 0, 0.2 and 0.4 s: 94 % is a fifth of the way. Of three seeds the middle one counts."""
+    asked: list[dict[str, Any]] = []
+
+    def curves(scenario: str, policies: dict[str, Sequence[str]], **how: Any) -> Robustness:
+        asked.append({"scenario": scenario, "policies": policies, **how})
+        return result(*made("dash", 99, 97, 82), *made("ppo-1", 99, 99), *made("ppo-2", 99, 97, 82), *made("ppo-3", 99))
+
+    monkeypatch.setattr(playing, "robustness", curves)
+    methods = [DASH, ComparedMethod("ppo", ("random", "dash", "rvo"))]
+    member = replace(GOAL, name="goal", disturbed="drive_lag")
+    record = play_suite([member], methods, tmp_path, levels=2, latency=True)
+    assert [one["latency_at_loss"] for one in record.runs["goal"]["ppo"]] == ["> 0.2", "0.24", "-"]
+    assert [figures["latency_at_loss"] for figures in record.figures["goal"].values()] == ["0.24", "0.24"]
+    assert asked == [
+        {
+            "scenario": "empty_goal",
+            "policies": {"dash": ("dash",), "ppo": ("random", "dash", "rvo")},
+            **{"factors": ["latency"], "split": "test", "folder": tmp_path / "latency" / "goal"},
+            **{"parameters": {}, "team": False, "levels": 2},
+        }
+    ]
+    head, _, row = suite_tables.member_markdown(read_record(tmp_path), "goal").splitlines()[-4:-1]
+    cells = dict(zip(head.split(" | "), row.split(" | "), strict=True))
+    assert cells["latency at -5 [s]"] == "0.24"
+    again = play_suite([member], methods, tmp_path, levels=2)
+    assert again.figures == record.figures
+    assert (
+        play_suite([member], methods, tmp_path, levels=2, overwrite=True).figures["goal"]["dash"]["latency_at_loss"]
+        is None
+    )
+
+
 def test_all_mistakes_of_a_suite_are_named_at_once(tmp_path: Path) -> None:
     file = tmp_path / "suite.yaml"
     file.write_text(
         "benchmarks:\n  a: {asks: x, scenario: corridr, tem: true}\n  cave: {}\ntiers: {core: [cav], cave: [cave]}\n"
     )
-    known = "asks, scenario, parameters, team, levels, differs"
+    known = "asks, scenario, parameters, disturbed, team, levels, differs"
     assert mistakes_of(file) == [
         ":2   benchmarks.a.scenario: no shipped scenario 'corridr' (did you mean 'corridor'?)",
         f":2   benchmarks.a.tem: unknown key (did you mean 'team'?); known: {known}",
@@ -86,6 +152,8 @@ def mistakes_of(file: Path) -> list[str]:
         ("benchmarks: {maze: {asks: x}}\ntiers: {core: [[maze]]}\n", "tiers.core[0]: no benchmark"),
         ("- 1\n", "benchmarks: must be a mapping, got nothing"),
         ("", "the file is empty"),
+        ("benchmarks: {maze: {disturbed: [all]}}\ntiers: {}\n", "disturbed: must be a factor of `irsim-gym rob"),
+        ("benchmarks: {maze: {disturbed: al}}\ntiers: {}\n", "got 'al'"),
         ("benchmarks: {maze: {parameters: [1]}}\ntiers: {}\n", "parameters: must be a mapping of values by name"),
     ],
 )
@@ -226,6 +294,9 @@ def test_the_command_line(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsy
         return status, said.out + said.err
 
     assert "irsim_gym/bug_trap-v0" in suite("list", "core", "bug_trap")[1]
+    assert "irsim_gym/maze-v0, disturbed by the factor all of robustness" in suite("list", "robot")[1]
+    late = suite("run", "cluttered_room", "cluttered_room", "--levels", 2, "--latency", "--out", tmp_path / "late")[1]
+    assert " latency at -5 [s] |" in late
     folder = tmp_path / "run"
     assert "| dash |" in suite("run", "bug_trap", "dash", "--levels", 2, "--out", folder)[1]
     assert "| dash |" in suite("table", folder)[1]

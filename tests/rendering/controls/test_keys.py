@@ -7,16 +7,14 @@ import pytest
 
 from irsim_gym.rendering.controls import keyboard as keyboard_module
 from irsim_gym.rendering.controls.keyboard import COMMANDS, Keyboard
-from irsim_gym.rendering.controls.keys import REPEAT_S, HeldKeys, KeySource, Stroke
+from irsim_gym.rendering.controls.keys import REPEAT_S, HeldKeys, Stroke
 from irsim_gym.scenario.specs.gui_spec import KeyboardSpec
 
 DIFF, OMNI, TURNING = ("linear", "angular"), ("x", "y"), ("forward", "left", "angular")
 
 
-class Typed(KeySource):
+class Typed:
     """Strokes that a test writes down."""
-
-    name = "typed"
 
     def __init__(self) -> None:
         self.came: list[Stroke] = []
@@ -24,9 +22,6 @@ class Typed(KeySource):
     def strokes(self) -> list[Stroke]:
         came, self.came = self.came, []
         return came
-
-    def close(self) -> None:
-        pass
 
 
 @pytest.fixture

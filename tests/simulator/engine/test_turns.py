@@ -64,8 +64,13 @@ def test_a_turn_begins_with_each_body_that_looks_at_others() -> None:
     # Bodies 2 and 5 look at others; 1, 3 and 6 do not; 4 only has a drive; 0 cannot move.
     movers = np.arange(1, 7, dtype=np.int64)
     turns = take_turns(
-        movers, [group(Follow, [2, 5]), group(Alone, [1, 3, 6])], [group(Alone, [1, 2, 3, 4, 5, 6])], in_order=True
+        movers,
+        [group(Follow, [2, 5]), group(Alone, [1, 3, 6])],
+        [group(Alone, [1, 2, 3, 4, 5, 6])],
+        np.array([1, 2, 3, 5, 6]),
+        in_order=True,
     )
+    assert [turn.driven.tolist() for turn in turns] == [[1], [2, 3], [5, 6]]  # body 4 coasts
     assert as_lists(turns) == [
         ([[1]], [1], [[1]]),
         ([[2], [3]], [2, 3, 4], [[2, 3, 4]]),
@@ -76,7 +81,7 @@ def test_a_turn_begins_with_each_body_that_looks_at_others() -> None:
 @pytest.mark.parametrize(("reader", "in_order"), [(Follow, False), (Alone, True)])
 def test_otherwise_there_is_one_turn(reader: type[Any], in_order: bool) -> None:
     movers = np.arange(4, dtype=np.int64)
-    turns = take_turns(movers, [group(reader, [1, 2])], [group(Alone, [0, 1, 2, 3])], in_order=in_order)
+    turns = take_turns(movers, [group(reader, [1, 2])], [group(Alone, [0, 1, 2, 3])], movers, in_order=in_order)
     assert as_lists(turns) == [([[1, 2]], [0, 1, 2, 3], [[0, 1, 2, 3]])]
 
 

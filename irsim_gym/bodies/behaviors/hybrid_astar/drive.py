@@ -6,10 +6,10 @@ from irsim_gym.base.arraytypes import Record
 from irsim_gym.bodies.behaviors.hybrid_astar import follow
 from irsim_gym.bodies.behaviors.hybrid_astar.plan import TIGHT, find_poses, shape_of
 from irsim_gym.bodies.behaviors.hybrid_astar.tables import PoseTables, PoseWay
-from irsim_gym.bodies.behaviors.pursuit.motion import MOST_STEPS, Command, Moving, executed, moving_of, roll
+from irsim_gym.bodies.behaviors.pursuit.motion import MOST_STEPS, Moving, executed, moving_of, roll
 from irsim_gym.simulator.cell_paths.outline_room import PoseShape, room_at_pose
 from irsim_gym.simulator.paths.clearance import Obstacles
-from irsim_gym.simulator.world.names import ACKERMANN, DIFFERENTIAL, State, kernel
+from irsim_gym.simulator.world.names import ACKERMANN, State, kernel
 
 PARTS = 4
 """Number of speeds that are tried, each half of the previous one."""
@@ -26,14 +26,16 @@ KEPT = 0.005
 
 
 @kernel
-def is_at_rest(moving: Moving, one: float, two: float, three: float) -> bool:
-    """Return whether a body with these velocities stands still."""
-    if one != 0.0:
-        return False
-    # The second number is the steering angle, the third is not used.
-    if moving.drive == ACKERMANN:
-        return True
-    return bool(two == 0.0 and (moving.drive == DIFFERENTIAL or three == 0.0))
+def motion_of(moving: Moving) -> follow.PoseMotion:
+    """Return what a body does now."""
+    pose = (moving.pose[0], moving.pose[1], moving.pose[2])
+    return follow.PoseMotion(pose, moving.steering, moving.velocity[0], moving.velocity[1])
+
+
+@kernel
+def is_at_rest(moving: Moving, one: float, two: float) -> bool:
+    """Return whether a body with these velocities stands still; the second number of a car turns none at rest."""
+    return bool(one == 0.0 and (two == 0.0 or moving.drive == ACKERMANN))
 
 
 @kernel
@@ -59,33 +61,22 @@ def stops_in_time(
         drift: So far from its way it may get [m].
         room: So far from obstacles it has to stay [m].
     """
-    pose, velocity = moving.pose, moving.velocity
-    now = follow.PoseMotion((pose[0], pose[1], pose[2]), moving.steering, velocity[0], velocity[1], velocity[2])
+    now = motion_of(moving)
     # The first step at the given share of the speed, all others braking.
     for _ in range(MOST_STEPS):
-        first, second, third = follow.command_along(way, place, moving, now, part)
+        first, second = follow.command_along(way, place, moving, now, part)
         one, two = executed(moving, 0, first, now.one), executed(moving, 1, second, now.two)
-        three = executed(moving, 2, third, now.three)
-        x, y, heading, steering = roll(moving, now.pose[0], now.pose[1], now.pose[2], now.steering, one, two, three)
-        now = follow.PoseMotion((x, y, heading), steering, one, two, three)
+        x, y, heading, steering = roll(moving, now.pose[0], now.pose[1], now.pose[2], now.steering, one, two, 0.0)
+        now = follow.PoseMotion((x, y, heading), steering, one, two)
         if room_at_pose(obstacles, shape, now.pose, KEPT) < room:
             return False
         place, part = follow.place_near(way, place, now.pose), 0.0
         if follow.offset_from(way, place, now.pose) > drift:
             return False
-        if is_at_rest(moving, one, two, three):
-            # Still braking after so many steps, and clear so far.
+        if is_at_rest(moving, one, two):
             return True
+    # Still braking after so many steps, and clear so far.
     return True
-
-
-@kernel
-def way_of(tables: PoseTables, w: int, m: int) -> PoseWay:
-    """Return a member's way.
-
-    Reads: tables (count, pieces).
-    """
-    return PoseWay(tables.pieces[w, m], tables.count[w, m])
 
 
 @kernel
@@ -105,8 +96,7 @@ def drive_poses(
 ) -> None:
     """Write the command of one body, and look for its way where it has none to its goal or cannot follow it.
 
-    Reads: tables (by_rate, cell, costs, count, discs, goal, grid, moves, nodes, piece, pieces, retry, segments, share,
-        table).
+    Reads: tables (by_rate, cell, count, discs, goal, grid, memory, moves, piece, pieces, retry, segments, share).
     Writes: standing, tables (count, goal, piece, pieces, retry, share).
     """
     model, state, w, m = standing.model, standing.state, standing.w, options.index
@@ -117,10 +107,10 @@ def drive_poses(
         if looks:
             find_poses(standing, options, moving, tables, slot, b)
             tables.retry[w, m] = state.step[w] + (SOON if tables.count[w, m] > 0 else PATIENCE)
-        good, command = False, (0.0, 0.0, 0.0)
+        good = False
         if tables.count[w, m] > 0:
-            good, command = go_on(standing, everything, shape, moving, tables, m)
-        state.command[w, b, 0], state.command[w, b, 1], state.command[w, b, 2] = command
+            good, first, second = go_on(standing, everything, shape, moving, tables, m)
+            state.command[w, b, 0], state.command[w, b, 1] = first, second
         if good or looks or state.step[w] < tables.retry[w, m]:
             return
         looks = True
@@ -129,34 +119,34 @@ def drive_poses(
 @kernel
 def go_on(
     standing: Obstacles, everything: Obstacles, shape: PoseShape, moving: Moving, tables: PoseTables, m: int
-) -> tuple[bool, Command]:
+) -> tuple[bool, float, float]:
     """Return whether a way can be followed, and the command for it; a body waits for what moves.
 
     Reads: tables (count, piece, pieces, share).
     Writes: shape, tables (piece, share).
     """
     w = standing.w
-    way, pose = way_of(tables, w, m), (moving.pose[0], moving.pose[1], moving.pose[2])
-    place = follow.place_near(way, follow.OnWay(tables.piece[w, m], tables.share[w, m]), pose)
-    if follow.left_in_gear(way, place) < CLOSE and place.piece + 1 < way.n_pieces:
+    way, now = PoseWay(tables.pieces[w, m], tables.count[w, m]), motion_of(moving)
+    place = follow.place_near(way, follow.OnWay(tables.piece[w, m], tables.share[w, m]), now.pose)
+    ends = follow.left_in_gear(way, place) < CLOSE
+    if ends and place.piece + 1 < way.n_pieces:
         # At the end of a gear, the body goes on with the next one; place_near never leaves a gear by itself.
-        place = follow.place_near(way, follow.OnWay(place.piece + 1, 0.0), pose)
+        place, ends = follow.place_near(way, follow.OnWay(place.piece + 1, 0.0), now.pose), False
     tables.piece[w, m], tables.share[w, m] = place.piece, place.share
-    velocity = moving.velocity
-    now = follow.PoseMotion(pose, moving.steering, velocity[0], velocity[1], velocity[2])
-    offset = follow.offset_from(way, place, pose)
-    if offset > ASTRAY or (place.piece + 1 >= way.n_pieces and follow.left_in_gear(way, place) < CLOSE):
-        return False, follow.command_along(way, place, moving, now, 0.0)
+    offset, part = follow.offset_from(way, place, now.pose), 1.0
+    is_blocked = ends or offset > ASTRAY
     # A body that is off its way, or close to something, already must only not make it worse.
-    part, drift, room = 1.0, max(DRIFT, offset), min(TIGHT * room_at_pose(everything, shape, pose, KEPT), KEPT)
-    for k in range(PARTS + 1):
+    drift, room = max(DRIFT, offset), min(TIGHT * room_at_pose(everything, shape, now.pose, KEPT), KEPT)
+    for k in range(0 if is_blocked else PARTS + 1):
         # The last attempt: at the lowest speed, however far from the way.
         if k == PARTS:
             drift = np.inf
         if stops_in_time(everything, shape, moving, way, place, part, drift, room):
-            return True, follow.command_along(way, place, moving, now, part)
+            first, second = follow.command_along(way, place, moving, now, part)
+            return True, first, second
         part *= 0.5 if k < PARTS - 1 else 1.0
     # What stands blocks the way for good, so that it is planned anew; for what moves, the body waits.
-    stands = is_at_rest(moving, velocity[0], velocity[1], velocity[2])
-    is_blocked = stands and not stops_in_time(standing, shape, moving, way, place, part, drift, room)
-    return not is_blocked, follow.command_along(way, place, moving, now, 0.0)
+    if not is_blocked and is_at_rest(moving, now.one, now.two):
+        is_blocked = not stops_in_time(standing, shape, moving, way, place, part, drift, room)
+    first, second = follow.command_along(way, place, moving, now, 0.0)
+    return not is_blocked, first, second

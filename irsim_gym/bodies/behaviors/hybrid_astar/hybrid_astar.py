@@ -18,13 +18,13 @@ from irsim_gym.simulator.world.names import Group, Model, Shard, State, kernel, 
 class HybridAstar(RenewsGoals):
     """Plan a path over poses to the goal around all standing obstacles, and follow it forwards and backwards.
 
-    The path consists of arcs within the turning limits of the body, turns on the spot and straight lines in any
-    direction, as its drive allows, along which the body's own outline touches nothing. It leads to a position, or with
-    ``arrive_mode: state`` to a position and a heading, and takes little time, including changes of direction. Moving
-    bodies are not part of the plan: the body waits for those close ahead, and does not drive around them.
+    The path consists of arcs within the turning limits of the body, and of turns on the spot for ``diff``, along which
+    the body's own outline touches nothing. It leads to a position, or with ``arrive_mode: state`` to a position and a
+    heading, and takes little time, including changes of direction. Moving bodies are not part of the plan: the body
+    waits for those close ahead, and does not drive around them.
     """
 
-    kinematics: ClassVar[tuple[str, ...]] = ("diff", "omni", "omni_angular", "acker")
+    kinematics: ClassVar[tuple[str, ...]] = ("diff", "acker")
     reads_neighbors: ClassVar[bool] = False
 
     target_roles: Literal["all", "robot", "obstacle"] = option(
@@ -32,9 +32,6 @@ class HybridAstar(RenewsGoals):
     )
     clearance: float = option(
         0.1, gt=0.0, unit="m", meaning="Closer to obstacles than this, time costs more, up to three times as much."
-    )
-    change_cost: float = option(
-        0.5, ge=0.0, unit="s", meaning="Cost of a change between driving ahead, back and turning on the spot."
     )
     cell: float | None = option(
         None,
@@ -47,7 +44,7 @@ class HybridAstar(RenewsGoals):
 
     @staticmethod
     def prepare(group: Group, model: Model, n_slots: int) -> None:
-        """Allocate memory for the paths, and compute path costs without obstacles."""
+        """Allocate memory for the paths."""
         group.tables = PoseTables.reserve(group, model, n_slots)
 
     @staticmethod
@@ -79,9 +76,9 @@ def drive_all_poses(
 ) -> None:
     """Write the commands of the members.
 
-    Reads: tables (by_rate, cell, costs, count, discs, everything, goal, grid, moves, nodes, piece, pieces, retry,
-        segments, share, standing, table), model (has_goal, heedless, movable, present, role, seen_row, stands,
-        unobstructed, watchers), state (arrived, goal, stopped).
+    Reads: tables (by_rate, cell, count, discs, everything, goal, grid, memory, moves, piece, pieces, retry, segments,
+        share, standing), model (has_goal, heedless, movable, present, role, seen_row, stands, unobstructed, watchers),
+        state (arrived, goal, stopped).
     Writes: tables (count, everything, goal, piece, pieces, retry, share, standing), state (command).
     """
     standing, everything = tables.standing[slot], tables.everything[slot]

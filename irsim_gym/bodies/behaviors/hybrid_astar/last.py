@@ -1,15 +1,42 @@
-"""The last move, from a pose straight to the goal: an arc, a slide, or a turn on the spot."""
+"""The goal of a search, and the last move, from a pose straight to it: an arc, or a turn on the spot."""
+
+from typing import NamedTuple
 
 import numpy as np
 
 from irsim_gym.base.arraytypes import Pose, Record, Records
 from irsim_gym.base.kernels import kernel
-from irsim_gym.bodies.behaviors.hybrid_astar.costs import Aim
-from irsim_gym.bodies.behaviors.hybrid_astar.moves import BACKWARD, FORWARD, SLIDE, SPIN
+from irsim_gym.bodies.behaviors.hybrid_astar.moves import BACKWARD, FORWARD, SPIN, write_move
 from irsim_gym.simulator.geometry.angles import wrap_below
 
 THERE = 1e-6
 """Distance below which a body is at the position [m]."""
+
+
+class Aim(NamedTuple):
+    """The goal of a search.
+
+    Attributes:
+        x: x of the goal [m].
+        y: y of the goal [m].
+        heading: Heading at the goal [rad]; NaN for any.
+        radius: Distance below which the body has arrived; with a heading, metres and radians combined.
+    """
+
+    x: float
+    y: float
+    heading: float
+    radius: float
+
+
+@kernel
+def aim_gap(aim: Aim, pose: Pose) -> float:
+    """Return how far a pose is from a goal [m], where radians count like metres."""
+    dx, dy, turn = pose[0] - aim.x, pose[1] - aim.y, 0.0
+    if aim.heading == aim.heading:
+        # The heading NaN, which does not equal itself, admits any.
+        turn = wrap_below(pose[2] - aim.heading)
+    return float(np.sqrt(dx * dx + dy * dy + turn * turn))
 
 
 @kernel
@@ -29,41 +56,22 @@ def lay_last(aim: Aim, moves: Records, farthest: float, pose: Pose, last: Record
         last: Written.
     """
     dx, dy, cosine, sine = aim.x - pose[0], aim.y - pose[1], np.cos(pose[2]), np.sin(pose[2])
-    ahead, aside, far2 = cosine * dx + sine * dy, cosine * dy - sine * dx, dx * dx + dy * dy
-    turn, is_asked = wrap_below(aim.heading - pose[2]), aim.heading == aim.heading
+    far2, turn, is_asked = dx * dx + dy * dy, wrap_below(aim.heading - pose[2]), aim.heading == aim.heading
     if far2 > farthest * farthest:
         return False
+    # Turns on the spot come last among the moves.
+    spins = np.abs(moves[-1].gear) == SPIN
     if far2 < THERE * THERE:
-        return is_asked and lay_turn(moves, turn, last)
-    turns = False
-    for k in range(moves.shape[0]):
-        turns = turns or abs(moves[k].gear) == SPIN
-    # A body that slides has moves of this kind first.
-    slides = moves[0].gear == SLIDE
-    if slides:
-        step = np.sqrt(moves[0].ahead * moves[0].ahead + moves[0].left * moves[0].left)
-        last.ahead, last.left, last.turn, last.gear = ahead, aside, 0.0, SLIDE
-        last.seconds = np.sqrt(far2) * moves[0].seconds / step
-    elif not lay_arc(moves, ahead, aside, last):
+        for move in moves:
+            # No move for no angle. The time is in proportion to the angle.
+            if spins and move.gear == (SPIN if turn > 0.0 else -SPIN) and turn != 0.0:
+                write_move(last, 0.0, turn, move.seconds * turn / move.turn, move.gear)
+                return is_asked
+        return False
+    if not lay_arc(moves, cosine * dx + sine * dy, cosine * dy - sine * dx, last):
         return False
     # A body that turns on the spot puts the heading right after its arrival.
-    return bool(turns or not is_asked or abs(wrap_below(turn - last.turn)) < aim.radius)
-
-
-@kernel
-def lay_turn(moves: Records, turn: float, last: Record) -> bool:
-    """Return whether a body can turn on the spot by an angle [rad], and write that as a move.
-
-    Writes: last.
-    """
-    gear = SPIN if turn > 0.0 else -SPIN
-    for k in range(moves.shape[0]):
-        # No move for no angle. The time is in proportion to the angle.
-        if moves[k].gear == gear and turn != 0.0:
-            last.ahead, last.left, last.turn, last.gear = 0.0, 0.0, turn, gear
-            last.seconds = moves[k].seconds * turn / moves[k].turn
-            return True
-    return False
+    return bool(spins or not is_asked or np.abs(wrap_below(turn - last.turn)) < aim.radius)
 
 
 @kernel
@@ -94,6 +102,5 @@ def lay_arc(moves: Records, ahead: float, aside: float, last: Record) -> bool:
     # The chord makes half of the arc's angle with the heading, whose length is angle / curvature.
     half = np.arctan(abs(aside / ahead))
     length = 2.0 * half / abs(bend) if abs(aside) > THERE * abs(ahead) else abs(ahead)
-    last.ahead, last.left, last.turn, last.gear = gear * length, 0.0, gear * length * bend, gear
-    last.seconds = length * slowness
+    write_move(last, gear * length, gear * length * bend, length * slowness, gear)
     return True

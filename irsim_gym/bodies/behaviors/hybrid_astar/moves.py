@@ -1,23 +1,21 @@
-"""The moves of a path over poses: arcs, turns on the spot, and slides, within a drive's limits."""
+"""The moves of a path over poses: arcs and turns on the spot, within a drive's limits."""
 
 import numpy as np
 
-from irsim_gym.base.arraytypes import Pose, Records
+from irsim_gym.base.arraytypes import Pose, Record, Records
 from irsim_gym.base.kernels.structs import record_type
 from irsim_gym.bodies.behaviors.local_planners.rollouts import place_at
-from irsim_gym.bodies.behaviors.pursuit.commands import STEEPEST, axis_speed
+from irsim_gym.bodies.behaviors.pursuit.commands import STEEPEST
 from irsim_gym.bodies.behaviors.pursuit.motion import Moving
-from irsim_gym.simulator.world.names import ACKERMANN, DIFFERENTIAL, OMNI_ANGULAR, OMNI_WORLD, kernel
-from irsim_gym.simulator.world.twist import Twist
+from irsim_gym.simulator.world.names import ACKERMANN, DIFFERENTIAL, kernel
 
 N_HEADINGS = 72
 """Number of headings that the search tells apart."""
 BIN = 2.0 * np.pi / N_HEADINGS
 """Angle between neighbouring headings [rad]."""
-MOVE = record_type("ahead left turn seconds", gear=np.int64)
-"""How far a move leads ahead and to the left, as it begins [m], how far it turns [rad], its duration at full speed [s]
-and its gear. Speed ahead, speed to the left and turn rate are in the same proportion all the time."""
-BACKWARD, FORWARD, SPIN, SLIDE = -1, 1, 2, 3
+MOVE = record_type("ahead turn seconds", gear=np.int64)
+"""How far a move leads ahead [m] and turns [rad], evenly along an arc, its duration at full speed [s], and its gear."""
+BACKWARD, FORWARD, SPIN = -1, 1, 2
 """Gears; turning on the spot to the right is -SPIN. Between moves of different gears a body stops."""
 SPARE = 0.9
 """Share of a body's turning limits that arcs use; the rest is reserved for following them."""
@@ -25,19 +23,23 @@ SHARPEST = 0.6
 """Maximum turn of an arc [rad]."""
 BENDS = 2
 """Number of arcs to either side."""
-DIRECTIONS = 16
-"""Number of directions of slides."""
-MOST_MOVES = 24
+MOST_MOVES = 13
 """Maximum number of moves; the last entry is reserved for the move to the goal."""
 
 
 @kernel
-def pose_after(pose: Pose, move: Twist, share: float) -> Pose:
-    """Return where a share of a move leads from a pose [m, m, rad]; headings are not wrapped."""
+def pose_after(pose: Pose, ahead: float, turn: float, share: float) -> Pose:
+    """Return where a share of an arc leads from a pose [m, m, rad]; headings are not wrapped."""
     # A move is the twist that performs it within one unit of time.
-    dx, dy, _, _ = place_at(move, share)
+    dx, dy, _, _ = place_at((ahead, 0.0, turn), share)
     cosine, sine = np.cos(pose[2]), np.sin(pose[2])
-    return pose[0] + (cosine * dx - sine * dy), pose[1] + (sine * dx + cosine * dy), pose[2] + move[2] * share
+    return pose[0] + (cosine * dx - sine * dy), pose[1] + (sine * dx + cosine * dy), pose[2] + turn * share
+
+
+@kernel
+def write_move(move: Record, ahead: float, turn: float, seconds: float, gear: int) -> None:
+    """Write a move; the arguments are the fields of ``MOVE``."""
+    move.ahead, move.turn, move.seconds, move.gear = ahead, turn, seconds, gear
 
 
 @kernel
@@ -49,14 +51,15 @@ def lay_moves(moving: Moving, cell: float, moves: Records) -> int:
         cell: Side of the cells between which its moves lead [m].
         moves: Written: records of type ``MOVE``, shape ``(MOST_MOVES,)``.
     """
-    count = 0
-    if moving.drive in (DIFFERENTIAL, ACKERMANN):
-        count = add_arcs(moving, FORWARD, cell, moves, count)
-        count = add_arcs(moving, BACKWARD, cell, moves, count)
-    else:
-        count = add_slides(moving, cell, moves, count)
-    if moving.drive in (DIFFERENTIAL, OMNI_ANGULAR):
-        count = add_spins(moving, moves, count)
+    count = add_arcs(moving, BACKWARD, cell, moves, add_arcs(moving, FORWARD, cell, moves, 0))
+    if moving.drive == DIFFERENTIAL:
+        # Three of the headings that are told apart at once keep searches short.
+        angle = 3.0 * BIN
+        for side in range(-1, 2, 2):
+            rate = moving.high[1] if side > 0 else -moving.low[1]
+            if rate > 0.0:
+                write_move(moves[count], 0.0, side * angle, angle / rate, side * SPIN)
+                count += 1
     return count
 
 
@@ -91,39 +94,8 @@ def add_arcs(moving: Moving, gear: int, cell: float, moves: Records, count: int)
             continue
         # Arcs that would turn too far are widened.
         bend = min(max(bend, -SHARPEST / length), SHARPEST / length)
-        move = moves[count]
-        move.ahead, move.left, move.turn, move.gear = gear * length, 0.0, gear * length * bend, gear
-        move.seconds = max(length / speed, abs(move.turn) / rate if bend != 0.0 else 0.0)
+        turn = gear * length * bend
+        seconds = max(length / speed, abs(turn) / rate if bend != 0.0 else 0.0)
+        write_move(moves[count], gear * length, turn, seconds, gear)
         count += 1
-    return count
-
-
-@kernel
-def add_spins(moving: Moving, moves: Records, count: int) -> int:
-    """Add the turns on the spot."""
-    # Three of the headings that are told apart at once keep searches short.
-    axis, angle = 1 if moving.drive == DIFFERENTIAL else 2, 3.0 * BIN
-    for side in range(-1, 2, 2):
-        rate = moving.high[axis] if side > 0 else -moving.low[axis]
-        if rate > 0.0:
-            move = moves[count]
-            move.ahead, move.left, move.turn, move.gear = 0.0, 0.0, side * angle, side * SPIN
-            move.seconds = angle / rate
-            count += 1
-    return count
-
-
-@kernel
-def add_slides(moving: Moving, cell: float, moves: Records, count: int) -> int:
-    """Add straight moves to all sides, without a turn."""
-    # OMNI_WORLD has its limits along the world's axes, but moves are given in the frame of the body, which never turns.
-    length, heading = 2.0 * cell, moving.pose[2] if moving.drive == OMNI_WORLD else 0.0
-    for k in range(DIRECTIONS):
-        angle = 2.0 * np.pi * k / DIRECTIONS
-        speed = min(axis_speed(moving, 0, np.cos(angle)), axis_speed(moving, 1, np.sin(angle)))
-        if 0.0 < speed < np.inf:
-            move = moves[count]
-            move.ahead, move.left = length * np.cos(angle - heading), length * np.sin(angle - heading)
-            move.turn, move.seconds, move.gear = 0.0, length / speed, SLIDE
-            count += 1
     return count

@@ -2,39 +2,30 @@
 
 import numpy as np
 
-from irsim_gym.base.arraytypes import BodyOutline, Floats, Pose, Record, Records
-from irsim_gym.bodies.behaviors.hybrid_astar.costs import COARSE, Aim, aim_gap, cost_without_obstacles
+from irsim_gym.base.arraytypes import BodyOutline, Pose, Record
+from irsim_gym.bodies.behaviors.hybrid_astar.last import Aim
 from irsim_gym.bodies.behaviors.hybrid_astar.moves import MOST_MOVES, lay_moves
-from irsim_gym.bodies.behaviors.hybrid_astar.queue import NOBODY, PoseNodes, nodes_of
-from irsim_gym.bodies.behaviors.hybrid_astar.search import LAST_CELLS, PoseTask, move_to, search_poses
-from irsim_gym.bodies.behaviors.hybrid_astar.tables import (
-    AHEAD,
-    GEAR,
-    HEADING,
-    LEFT,
-    MOST_PIECES,
-    NEARER,
-    TURN,
-    PoseTables,
-    X,
-    Y,
-    inner_radius_of,
-)
+from irsim_gym.bodies.behaviors.hybrid_astar.queue import NOBODY, PoseMemory
+from irsim_gym.bodies.behaviors.hybrid_astar.search import LAST_CELLS, PoseTask, search_poses
+from irsim_gym.bodies.behaviors.hybrid_astar.tables import MOST_PIECES, PoseTables, inner_radius_of
 from irsim_gym.bodies.behaviors.pursuit.motion import Moving
 from irsim_gym.simulator.cell_paths.outline_room import PoseShape, largest_disc, room_at_pose
 from irsim_gym.simulator.paths.clearance import Obstacles, way_is_free
 from irsim_gym.simulator.paths.geodesic import search_ways
 from irsim_gym.simulator.paths.grid import Grid, Search
-from irsim_gym.simulator.world.model import ACKERMANN, DIFFERENTIAL, OMNI_ANGULAR, STATE, Model
+from irsim_gym.simulator.world.model import STATE, Model
 from irsim_gym.simulator.world.names import State, kernel, row_of
 from irsim_gym.simulator.world.outline import own_outline
 
+NEARER = 0.6
+"""Share of the arrival threshold within which paths end."""
 PADDING = 0.02
 """Minimum distance of paths from obstacles [m], unless the body starts closer."""
 TIGHT = 0.999
 """Share of its distance from an obstacle that a body keeps if it starts closer."""
-ATTEMPTS = 2
-"""Number of cell sizes that are tried, each half of the previous one, until a path is found or the memory is full."""
+ATTEMPTS = 3
+"""Number of cell sizes that are tried: each half of the previous one if there is no path, or twice as large if the
+memory is full first."""
 
 
 @kernel
@@ -63,7 +54,7 @@ def shape_of(model: Model, w: int, b: int, tables: PoseTables, slot: int) -> Pos
 def find_poses(obstacles: Obstacles, options: Record, moving: Moving, tables: PoseTables, slot: int, b: int) -> None:
     """Write a member's way over poses to its goal; one of no moves where none is found.
 
-    Reads: tables (cell, costs, discs, grid, moves, nodes, segments, table).
+    Reads: tables (cell, discs, grid, memory, moves, segments).
     Writes: tables (count, goal, piece, pieces, share).
 
     Args:
@@ -79,11 +70,8 @@ def find_poses(obstacles: Obstacles, options: Record, moving: Moving, tables: Po
     for axis in range(3):
         tables.goal[w, m, axis] = state.goal[w, b, axis]
     tables.count[w, m], tables.piece[w, m], tables.share[w, m] = 0, 0, 0.0
-    # A body that cannot turn never arrives with another heading than it has now.
-    if not (turns(moving) or aim_gap(aim, (aim.x, aim.y, start[2])) < aim.radius):
-        return
-    grid = tables.grid
-    if not may_arrive(obstacles, aim, start, largest_disc(model, w, b), grid.grid, tables.cell[m]):
+    grid, cell, moves = tables.grid, tables.cell[m], tables.moves[slot]
+    if not may_arrive(obstacles, aim, start, largest_disc(model, w, b), grid.grid, cell):
         return
     search = Search(grid.blocked[slot], grid.field[slot], grid.queue[slot])
     # The field is that of the body's inner disc less half a cell's diagonal: wherever the body fits, that disc fits at
@@ -91,30 +79,26 @@ def find_poses(obstacles: Obstacles, options: Record, moving: Moving, tables: Po
     open_radius = max(inner_radius_of(model, w, b) - np.sqrt(0.5) * grid.grid.cell, 0.0)
     radius = np.sqrt(max(open_radius * open_radius - 0.5 * grid.grid.cell * grid.grid.cell, 0.0))
     search_ways(obstacles, radius, (aim.x, aim.y), grid.grid, search)
-    shape = shape_of(model, w, b, tables, slot)
-    nodes, costs = nodes_of(tables.nodes, slot), tables.costs[tables.table[m]]
+    shape, parts = shape_of(model, w, b, tables, slot), tables.memory
+    memory = PoseMemory(parts.nodes[slot], parts.key[slot], parts.item[slot], parts.closed[slot])
     # A body that begins closer than PADDING has to get away.
     padding = min(PADDING, TIGHT * room_at_pose(obstacles, shape, start, 1.0))
-    cell, costs_cell, beyond = tables.cell[m], COARSE * tables.cell[m], np.inf
-    for attempt in range(2 * ATTEMPTS):
-        if attempt == ATTEMPTS:
-            # A body with wide turns may have to leave the table of costs, and come back, for a goal close by. Searches
-            # that include such ways take much longer, so they come last, and only where the body is in the table.
-            if cost_without_obstacles(aim, costs, costs_cell, start) == 0.0:
-                return
-            cell, beyond = tables.cell[m], greatest_of(costs)
-        moves = tables.moves[slot][: lay_moves(moving, cell, tables.moves[slot])]
+    fastest = max(moving.high[0], -moving.low[0])
+    first = NOBODY
+    for attempt in range(ATTEMPTS):
+        n_moves = lay_moves(moving, cell, moves)
         task = PoseTask(
-            obstacles, shape, padding, aim, moves, tables.moves[slot][MOST_MOVES - 1], fastest_of(moves), cell, costs,
-            costs_cell, beyond, grid.grid, search.field, options,
+            obstacles, shape, padding, options.clearance, aim, moves[:n_moves], moves[MOST_MOVES - 1], fastest, cell,
+            grid.grid, search.field,
         )  # fmt: skip
-        end = search_poses(task, start, nodes)
+        end = search_poses(task, start, memory)
         if end >= 0:
-            write_way(task, nodes, end, tables, w, m)
-        # Finer cells, or more of them, take more memory still.
-        if end != NOBODY:
+            write_way(memory, end, tables, w, m)
+        first = end if attempt == 0 else first
+        # Never back to a size that has been tried.
+        if end >= 0 or end != first:
             return
-        cell *= 0.5
+        cell *= 0.5 if end == NOBODY else 2.0
 
 
 @kernel
@@ -141,54 +125,19 @@ def may_arrive(obstacles: Obstacles, aim: Aim, start: Pose, inner: float, grid: 
 
 
 @kernel
-def turns(moving: Moving) -> bool:
-    """Return whether a body can turn."""
-    return bool(moving.drive in (DIFFERENTIAL, ACKERMANN, OMNI_ANGULAR))
+def write_way(memory: PoseMemory, end: int, tables: PoseTables, w: int, m: int) -> None:
+    """Write the moves that lead to a pose that was found, the first ones if they are too many.
 
-
-@kernel
-def fastest_of(moves: Records) -> float:
-    """Return the greatest speed of moves [m/s]."""
-    fastest = 0.0
-    for k in range(moves.shape[0]):
-        move = moves[k]
-        fastest = max(fastest, np.sqrt(move.ahead * move.ahead + move.left * move.left) / move.seconds)
-    return fastest
-
-
-@kernel
-def greatest_of(costs: Floats) -> float:
-    """Return the greatest finite cost in a table [s]."""
-    greatest = 0.0
-    for cost in costs.flat:
-        greatest = max(greatest, cost if cost < np.inf else 0.0)
-    return greatest
-
-
-@kernel
-def write_way(task: PoseTask, nodes: PoseNodes, end: int, tables: PoseTables, w: int, m: int) -> None:
-    """Write the moves that lead to a pose that was found, the first ones if they are too many; none for ``NOBODY``.
-
-    Writes: task, tables (count, pieces).
+    Writes: tables (count, pieces).
     """
-    count, node = 0, end
-    while node != NOBODY and nodes.parent[node] != NOBODY:
-        count, node = count + 1, nodes.parent[node]
+    nodes, pieces, count, k = memory.nodes, tables.pieces[w, m], 0, end
+    while nodes[k].parent != NOBODY:
+        count, k = count + 1, nodes[k].parent
+    tables.count[w, m], k = min(count, MOST_PIECES), end
     # From the end to the start; pieces beyond the memory are passed over.
-    tables.count[w, m], node, k = min(count, MOST_PIECES), end, count
-    while k > 0:
-        k -= 1
-        if k < MOST_PIECES:
-            write_piece(task, nodes, node, tables.pieces[w, m, k])
-        node = nodes.parent[node]
-
-
-@kernel
-def write_piece(task: PoseTask, nodes: PoseNodes, node: int, piece: Floats) -> None:
-    """Write the move that leads to a pose.
-
-    Writes: piece.
-    """
-    move, before = move_to(task, nodes, node), nodes.pose[nodes.parent[node]]
-    piece[X], piece[Y], piece[HEADING] = before[0], before[1], before[2]
-    piece[AHEAD], piece[LEFT], piece[TURN], piece[GEAR] = move.ahead, move.left, move.turn, move.gear
+    for i in range(count - 1, -1, -1):
+        node, before = nodes[k], nodes[nodes[k].parent]
+        if i < MOST_PIECES:
+            pieces[i].x, pieces[i].y, pieces[i].heading = before.x, before.y, before.heading
+            pieces[i].ahead, pieces[i].turn, pieces[i].gear = node.ahead, node.turn, node.gear
+        k = node.parent

@@ -1,11 +1,12 @@
-"""Memory of a search over poses: found poses, the queue, and closed cells."""
+"""Memory of a search over poses: the poses, the queue, and closed cells."""
 
 from typing import NamedTuple, Self
 
 import numpy as np
 
-from irsim_gym.base.arraytypes import Floats, Ints, Pose
+from irsim_gym.base.arraytypes import Floats, Ints, Pose, Record, Records
 from irsim_gym.base.kernels import kernel
+from irsim_gym.base.kernels.structs import record_type
 
 MOST_NODES = 1 << 19
 """Maximum number of poses that a search may find."""
@@ -16,30 +17,26 @@ PLACES = 262_139
 SCATTER = 7919
 """Distance between the entries of neighbouring cells."""
 NOBODY, GAVE_UP = -1, -2
-"""No pose, move or cell; no pose, since the memory was full before one was found."""
+"""No pose or cell; no pose, since the memory was full before one was found."""
 UNKNOWN = -1.0
 """Distance from obstacles on a move that has not been tested."""
+NODE = record_type("x y heading cost room ahead turn seconds", gear=np.int64, parent=np.int64, ends=np.bool_)
+"""A pose [m, m, rad], the cost of the path to it [s], its distance from obstacles [m], ``UNKNOWN`` until computed, the
+move that leads to it, as ``MOVE``, of gear 0 at the start, the number of the pose before it, ``NOBODY`` at the start,
+and whether the move leads straight to the goal."""
 
 
-class PoseNodes(NamedTuple):
-    """The poses that a search has found; the first axis is the slot, except in a slot's own memory.
+class PoseMemory(NamedTuple):
+    """The memory of a search; of all slots, each array has an axis for them in front.
 
     Attributes:
-        pose: x, y, heading [m, m, rad], shape ``(MOST_NODES, 3)``.
-        cost: Cost of the path to the pose [s], shape ``(MOST_NODES,)``, like the following arrays.
-        room: Minimum distance of the body from obstacles on the move to the pose [m], ``UNKNOWN`` until computed.
-        parent: The previous pose, ``NOBODY`` for the start.
-        move: The move from the previous pose.
-        key: The queue: lower bounds of total costs, as a binary heap.
-        item: The queue: the poses.
+        nodes: The poses, records of type ``NODE``, shape ``(MOST_NODES,)``.
+        key: The queue: lower bounds of total costs, as a binary heap, shape ``(MOST_NODES,)``.
+        item: The queue: the numbers of the poses, likewise.
         closed: Numbers of the closed cells, ``NOBODY`` in free entries, shape ``(PLACES,)``.
     """
 
-    pose: Floats
-    cost: Floats
-    room: Floats
-    parent: Ints
-    move: Ints
+    nodes: Records
     key: Floats
     item: Ints
     closed: Ints
@@ -47,38 +44,25 @@ class PoseNodes(NamedTuple):
     @classmethod
     def reserve(cls, n_slots: int) -> Self:
         """Return memory for all slots; it is claimed from the system when used."""
-        floats = [np.zeros((n_slots, MOST_NODES)) for _ in range(3)]
-        ints = [np.zeros((n_slots, MOST_NODES), np.int64) for _ in range(3)]
-        poses, closed = np.zeros((n_slots, MOST_NODES, 3)), np.zeros((n_slots, PLACES), np.int64)
-        return cls(poses, floats[0], floats[1], ints[0], ints[1], floats[2], ints[2], closed)
+        shape = n_slots, MOST_NODES
+        return cls(
+            np.zeros(shape, NODE), np.zeros(shape), np.zeros(shape, np.int64), np.zeros((n_slots, PLACES), np.int64)
+        )
 
 
 @kernel
-def nodes_of(nodes: PoseNodes, slot: int) -> PoseNodes:
-    """Return one slot's share of the memory."""
-    return PoseNodes(
-        nodes.pose[slot], nodes.cost[slot], nodes.room[slot], nodes.parent[slot], nodes.move[slot],
-        nodes.key[slot], nodes.item[slot], nodes.closed[slot],
-    )  # fmt: skip
+def pose_of(node: Record) -> Pose:
+    """Return the pose of a record."""
+    return node.x, node.y, node.heading
 
 
 @kernel
-def note_pose(nodes: PoseNodes, node: int, pose: Pose, cost: float, parent: int, move: int) -> None:
-    """Write a pose that was found.
-
-    Writes: nodes.
-    """
-    nodes.pose[node, 0], nodes.pose[node, 1], nodes.pose[node, 2] = pose
-    nodes.cost[node], nodes.room[node], nodes.parent[node], nodes.move[node] = cost, UNKNOWN, parent, move
-
-
-@kernel
-def push(nodes: PoseNodes, size: int, key: float, node: int) -> int:
+def push(memory: PoseMemory, size: int, key: float, node: int) -> int:
     """Put a pose into the queue and return its new size.
 
-    Writes: nodes.
+    Writes: memory.
     """
-    keys, items, k = nodes.key, nodes.item, size
+    keys, items, k = memory.key, memory.item, size
     while k > 0:
         # Binary heap: the entries below k are 2 k + 1 and 2 k + 2, with keys no smaller than its own.
         above = (k - 1) // 2
@@ -91,12 +75,12 @@ def push(nodes: PoseNodes, size: int, key: float, node: int) -> int:
 
 
 @kernel
-def pop(nodes: PoseNodes, size: int) -> int:
+def pop(memory: PoseMemory, size: int) -> int:
     """Return the pose with the least key and take it out of a queue of some size, which is one smaller afterwards.
 
-    Writes: nodes.
+    Writes: memory.
     """
-    keys, items = nodes.key, nodes.item
+    keys, items = memory.key, memory.item
     first, last = items[0], size - 1
     # The last entry fills the gap at the top and sinks to its place.
     key, item, k = keys[last], items[last], 0

@@ -1,8 +1,7 @@
 """Hybrid A* (Dolgov, Thrun, Montemerlo, Diebel 2008): a path over poses on which a body's outline touches nothing.
 
-The search runs over cells of position and heading, and keeps the pose that it reached in each cell. The heuristic is
-the higher cost of two paths: that of a point around the obstacles, and that of the body without obstacles. Moves are
-tested only when their poses are next in the queue.
+The search runs over cells of position and heading, and keeps the pose that it reached in each cell. What is left counts
+as the way of a disc within the body around the obstacles. Moves are tested only when their poses are next in the queue.
 """
 
 from typing import NamedTuple
@@ -12,14 +11,17 @@ import numpy as np
 from irsim_gym.base.arraytypes import Floats, Pose, Record, Records
 from irsim_gym.base.kernels import kernel
 from irsim_gym.bodies.behaviors.hybrid_astar import queue
-from irsim_gym.bodies.behaviors.hybrid_astar.costs import Aim, aim_gap, cost_without_obstacles, seconds_of
-from irsim_gym.bodies.behaviors.hybrid_astar.last import lay_last
-from irsim_gym.bodies.behaviors.hybrid_astar.moves import N_HEADINGS, pose_after
+from irsim_gym.bodies.behaviors.hybrid_astar.last import Aim, aim_gap, lay_last
+from irsim_gym.bodies.behaviors.hybrid_astar.moves import N_HEADINGS, pose_after, write_move
 from irsim_gym.simulator.cell_paths.outline_room import PoseShape, room_at_pose
 from irsim_gym.simulator.paths.clearance import Obstacles
 from irsim_gym.simulator.paths.geodesic import field_at
 from irsim_gym.simulator.paths.grid import Grid
 
+CHANGE = 0.5
+"""Cost of a change of the gear [s]."""
+STEERING = 0.3
+"""Cost of a change of how far moves turn, within a gear [s/rad]."""
 NEAR = 2.0
 """Extra cost of time spent at an obstacle, as a multiple of the time; it falls to 0 at the distance ``clearance``."""
 GREED = 1.3
@@ -37,50 +39,39 @@ class PoseTask(NamedTuple):
         obstacles: The obstacles.
         shape: The body's outline.
         padding: Minimum distance from obstacles [m].
+        clearance: Closer to obstacles than this, time costs more [m].
         aim: The goal.
         moves: The body's moves, shape ``(n_moves,)``.
         last: Scratch: the move straight to the goal.
         fastest: The body's maximum speed [m/s].
         cell: Cell size of the search [m].
-        costs: Costs of paths to the goal without obstacles, see ``pose_costs``.
-        costs_cell: Cell size of ``costs`` [m].
-        beyond: Cost of poses from which no way stays within the table of ``costs`` [s]; inf to leave such poses out.
         grid: The grid of ``field``.
         field: Distance of a disc within the body from the goal [m].
-        options: Those of ``HybridAstar``.
     """
 
     obstacles: Obstacles
     shape: PoseShape
     padding: float
+    clearance: float
     aim: Aim
     moves: Records
     last: Record
     fastest: float
     cell: float
-    costs: Floats
-    costs_cell: float
-    beyond: float
     grid: Grid
     field: Floats
-    options: Record
 
 
 @kernel
 def cost_to_go(task: PoseTask, pose: Pose) -> float:
-    """Return what the way from a pose to the goal costs at least, but for how coarse cells are [s].
-
-    It is at least ``beyond`` where no way stays within the table of costs without obstacles.
-    """
+    """Return what the way from a pose to the goal costs at least, but for how coarse cells are [s]."""
     # Where the field knows no way, as in cells beside obstacles, the straight line is a lower bound.
     far = field_at(task.field, task.grid, pose[0], pose[1])
     if not far < np.inf:
         dx, dy = pose[0] - task.aim.x, pose[1] - task.aim.y
         far = np.sqrt(dx * dx + dy * dy)
     # The goal is an area: arriving at its edge is enough.
-    around = max(far - task.aim.radius, 0.0) / task.fastest
-    alone = cost_without_obstacles(task.aim, task.costs, task.costs_cell, pose)
-    return max(around, alone if alone < np.inf else task.beyond)
+    return float(max(far - task.aim.radius, 0.0) / task.fastest)
 
 
 @kernel
@@ -114,14 +105,13 @@ def room_along(task: PoseTask, pose: Pose, room: float, move: Record) -> tuple[f
         move: The move.
     """
     # How far any point of the body moves at most: the way of the origin, and the turn at the distance `reach`.
-    travel = np.sqrt(move.ahead * move.ahead + move.left * move.left) + np.abs(move.turn) * task.shape.reach
-    limit = max(task.options.clearance, travel + task.padding)
+    travel = np.abs(move.ahead) + np.abs(move.turn) * task.shape.reach
+    limit = max(task.clearance, travel + task.padding)
     share, least = 0.0, limit
     while share < 1.0:
         step = max(room - task.padding, task.padding, LEAST_STEP)
         share = min(share + step / travel, 1.0)
-        there = pose_after(pose, (move.ahead, move.left, move.turn), share)
-        room = room_at_pose(task.obstacles, task.shape, there, limit)
+        room = room_at_pose(task.obstacles, task.shape, pose_after(pose, move.ahead, move.turn, share), limit)
         if room < task.padding or room <= 0.0:
             return 0.0, 0.0
         least = min(least, room)
@@ -129,108 +119,95 @@ def room_along(task: PoseTask, pose: Pose, room: float, move: Record) -> tuple[f
 
 
 @kernel
-def move_to(task: PoseTask, nodes: queue.PoseNodes, node: int) -> Record:
-    """Return the move that leads to a pose.
-
-    Writes: task.
-    """
-    if nodes.move[node] < task.moves.shape[0]:
-        found: Record = task.moves[nodes.move[node]]
-        return found
-    # The straight move to the goal is not in the list: it is computed again, and its number is one past the list.
-    parent = nodes.pose[nodes.parent[node]]
-    lay_last(task.aim, task.moves, LAST_CELLS * task.cell, (parent[0], parent[1], parent[2]), task.last)
-    return task.last
-
-
-@kernel
-def look_at(task: PoseTask, nodes: queue.PoseNodes, node: int) -> bool:
+def is_free(task: PoseTask, nodes: Records, node: Record) -> bool:
     """Return whether the move that leads to a pose is free; its cost grows by how near to obstacles it is.
 
-    Writes: nodes.
+    Writes: task, node.
     """
-    parent, move = nodes.parent[node], move_to(task, nodes, node)
-    before = (nodes.pose[parent, 0], nodes.pose[parent, 1], nodes.pose[parent, 2])
-    least, nodes.room[node] = room_along(task, before, nodes.room[parent], move)
-    if least <= 0.0:
-        return False
-    if least < task.options.clearance:
-        nodes.cost[node] += NEAR * move.seconds * (1.0 - least / task.options.clearance)
-    return True
+    before = nodes[node.parent]
+    least, node.room = room_along(task, queue.pose_of(before), before.room, node)
+    if least < task.clearance:
+        node.cost += NEAR * node.seconds * (1.0 - least / task.clearance)
+    return bool(least > 0.0)
 
 
 @kernel
-def search_poses(task: PoseTask, start: Pose, nodes: queue.PoseNodes) -> int:
-    """Return the number of a pose at the goal, from which ``nodes.parent`` leads back to the start.
+def add_pose(
+    task: PoseTask, memory: queue.PoseMemory, parent: int, move: Record, ends: bool, count: int, size: int
+) -> tuple[int, int]:
+    """Put the pose to which a move leads from another one into the queue; return the new counts of poses and queue.
+
+    Writes: memory.
+
+    Args:
+        task: The search.
+        memory: Written.
+        parent: Number of the pose before it.
+        move: The move; it is tested later, and may turn out to be blocked.
+        ends: Whether it leads straight to the goal. Such a pose may lie in a closed cell: it ends at the goal, not
+            anywhere in the cell.
+        count: Number of poses in memory.
+        size: Number of entries in the queue.
+    """
+    node, before = memory.nodes[count], memory.nodes[parent]
+    there = pose_after(queue.pose_of(before), move.ahead, move.turn, 1.0)
+    cell = cell_of(task, there)
+    if not ends and (cell < 0 or queue.is_closed(memory.closed, cell)):
+        return count, size
+    node.x, node.y, node.heading = there
+    node.cost, node.room, node.parent, node.ends = before.cost + move.seconds, queue.UNKNOWN, parent, ends
+    # Within a gear, steering has its price; a change of gear has its own, and comes with any steering.
+    if before.gear == move.gear:
+        node.cost += STEERING * np.abs(move.turn - before.turn)
+    elif parent > 0:
+        node.cost += CHANGE
+    write_move(node, move.ahead, move.turn, move.seconds, move.gear)
+    return count + 1, queue.push(memory, size, node.cost + GREED * cost_to_go(task, there), count)
+
+
+@kernel
+def search_poses(task: PoseTask, start: Pose, memory: queue.PoseMemory) -> int:
+    """Return the number of a pose at the goal, from which ``parent`` leads back to the start.
 
     It is ``NOBODY`` if there is no way, and ``GAVE_UP`` if none was found before the memory was full.
 
-    Writes: nodes.
+    Writes: memory.
 
     Args:
         task: What is searched.
         start: Where the body is.
-        nodes: Memory; written.
+        memory: Written.
     """
-    nodes.closed[:] = queue.NOBODY
-    queue.note_pose(nodes, 0, start, 0.0, queue.NOBODY, queue.NOBODY)
-    nodes.room[0] = room_at_pose(task.obstacles, task.shape, start, 1.0)
+    nodes, first = memory.nodes, memory.nodes[0]
+    memory.closed[:] = queue.NOBODY
+    first.x, first.y, first.heading = start
+    first.cost, first.parent, first.gear, first.ends = 0.0, queue.NOBODY, 0, False
+    first.room = room_at_pose(task.obstacles, task.shape, start, 1.0)
     # count: poses in memory; size: entries in the queue.
-    count, size, n_closed = 1, queue.push(nodes, 0, 0.0, 0), 0
-    while size > 0 and n_closed < queue.MOST_CLOSED and count + task.moves.shape[0] < nodes.cost.shape[0]:
-        node = queue.pop(nodes, size)
+    count, size, n_closed = 1, queue.push(memory, 0, 0.0, 0), 0
+    while size > 0 and n_closed < queue.MOST_CLOSED and count + task.moves.shape[0] < nodes.shape[0]:
+        k = queue.pop(memory, size)
         size -= 1
-        here = (nodes.pose[node, 0], nodes.pose[node, 1], nodes.pose[node, 2])
-        # A pose that a last move leads to may lie in a closed cell: it ends at the goal, not anywhere in the cell.
-        cell, is_last = cell_of(task, here), nodes.move[node] == task.moves.shape[0]
-        if not is_last and queue.is_closed(nodes.closed, cell):
+        node, here = nodes[k], queue.pose_of(nodes[k])
+        cell = cell_of(task, here)
+        if not node.ends and queue.is_closed(memory.closed, cell):
             continue
         # Only now is the move tested. If nearness to obstacles makes it cost more, it goes back into the queue.
-        if nodes.room[node] == queue.UNKNOWN:
-            cost = nodes.cost[node]
-            if not look_at(task, nodes, node):
+        if node.room == queue.UNKNOWN:
+            cost = node.cost
+            if not is_free(task, nodes, node):
                 continue
-            if nodes.cost[node] > cost:
-                size = queue.push(nodes, size, nodes.cost[node] + GREED * cost_to_go(task, here), node)
+            if node.cost > cost:
+                size = queue.push(memory, size, node.cost + GREED * cost_to_go(task, here), k)
                 continue
         if aim_gap(task.aim, here) < task.aim.radius:
-            return int(node)
-        if not is_last:
-            queue.close_cell(nodes.closed, cell)
+            return int(k)
+        if not node.ends:
+            queue.close_cell(memory.closed, cell)
             n_closed += 1
-            count, size = expand(task, nodes, node, count, size)
+            for m in range(task.moves.shape[0]):
+                count, size = add_pose(task, memory, k, task.moves[m], False, count, size)
         # Also after a last move: a body that has arrived at the position may still have to turn to the heading.
         if lay_last(task.aim, task.moves, LAST_CELLS * task.cell, here, task.last):
-            there = pose_after(here, (task.last.ahead, task.last.left, task.last.turn), 1.0)
-            queue.note_pose(nodes, count, there, nodes.cost[node] + task.last.seconds, node, task.moves.shape[0])
-            size = queue.push(nodes, size, nodes.cost[count] + GREED * cost_to_go(task, there), count)
-            count += 1
+            count, size = add_pose(task, memory, k, task.last, True, count, size)
     return queue.NOBODY if size == 0 else queue.GAVE_UP
-
-
-@kernel
-def expand(task: PoseTask, nodes: queue.PoseNodes, node: int, count: int, size: int) -> tuple[int, int]:
-    """Put the poses to which a body can move from a pose into the queue; return the new counts of poses and queue.
-
-    Writes: nodes.
-    """
-    here = (nodes.pose[node, 0], nodes.pose[node, 1], nodes.pose[node, 2])
-    # The start has no move before it.
-    gear, turn = 0, 0.0
-    if nodes.move[node] != queue.NOBODY:
-        gear, turn = task.moves[nodes.move[node]].gear, task.moves[nodes.move[node]].turn
-    for k in range(task.moves.shape[0]):
-        move = task.moves[k]
-        there = pose_after(here, (move.ahead, move.left, move.turn), 1.0)
-        cell = cell_of(task, there)
-        if cell < 0 or queue.is_closed(nodes.closed, cell):
-            continue
-        # Untested: the move may still turn out to be blocked.
-        rest = cost_to_go(task, there)
-        if not rest < np.inf:
-            continue
-        cost = nodes.cost[node] + seconds_of(task.options, move, gear, turn)
-        queue.note_pose(nodes, count, there, cost, node, k)
-        size = queue.push(nodes, size, cost + GREED * rest, count)
-        count += 1
-    return count, size

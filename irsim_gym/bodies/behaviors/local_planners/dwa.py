@@ -135,5 +135,6 @@ class Dwa(RenewsGoals):
     def decide(group: Group, model: Model, state: State, shard: Shard) -> None:
         """Write the members' commands."""
         tables, turns = group.tables[shard.slot]
-        find_paths(group, model, state, shard, tables)
-        decide_dwa(shard.worlds, group.members, group.params, group.scan, model, state, tables, turns)
+        worlds, members, params, scan = shard.worlds, group.members, group.params, group.scan
+        find_paths(worlds, members, params, scan, model, model.cells, state, tables)
+        decide_dwa(worlds, members, params, scan, model, state, tables, turns)

@@ -17,8 +17,9 @@ from irsim_gym.bodies.behaviors.local_planners.task import (
     task_of,
 )
 from irsim_gym.bodies.behaviors.local_planners.way import off_way
+from irsim_gym.bodies.behaviors.pursuit.motion import window_of
 from irsim_gym.bodies.behaviors.shared.steering import clear_command
-from irsim_gym.simulator.world.names import ACKERMANN, DIFFERENTIAL, Floats, Ints, Model, State, Struct, kernel, row_of
+from irsim_gym.simulator.world.names import ACKERMANN, DIFFERENTIAL, Floats, Ints, Model, State, Struct, kernel
 from irsim_gym.simulator.world.own_scan import OwnScan
 from irsim_gym.simulator.world.twist import Twist
 
@@ -57,7 +58,7 @@ def decide_dwa(
     Reads: scan (beams_x, beams_y, offset, range_max, range_min, ranges, sensors), model (acceleration_limit,
         disc_count, disc_start, drive, goal_threshold, has_goal, local_discs, local_segments, present, reach,
         segment_count, segment_start, solid, step_time, velocity_max, velocity_min, wheelbase), state (command, goal,
-        pose, twist, velocity), tables (by_rate, hits, poses, way, ways), turns (origin, turned).
+        pose, steering, twist, velocity), tables (by_rate, hits, poses, way, ways), turns (origin, turned).
     Writes: state (command), tables (hits, poses, way), turns (origin, turned).
     """
     for w in worlds:
@@ -70,13 +71,8 @@ def decide_dwa(
             m, command = tables.ways.row[b], state.command[w, b]
             note_move(turns, w, m, state.pose[w, b], options.oscillation_distance)
             task = task_of(w, b, see_hits(scan, w, k, options, tables.hits), options, model, state, tables)
-            low, high = rollouts.command_window(model, state, w, b, 0), rollouts.command_window(model, state, w, b, 1)
-            window = (low[0], low[1], high[0], high[1])
-            limits = model.acceleration_limit[row_of(model.acceleration_limit, w), b]
-            command[0], command[1] = best_command(
-                task, options, window, limits, model.step_time[0], turns.turned[w, m], tables
-            )
-            if task.wheels.drive == DIFFERENTIAL and command[0] == 0.0 and command[1] != 0.0:
+            command[0], command[1] = best_command(task, options, turns.turned[w, m], tables)
+            if task.moving.drive == DIFFERENTIAL and command[0] == 0.0 and command[1] != 0.0:
                 note_turn(turns, w, m, 1 if command[1] > 0.0 else -1)
 
 
@@ -120,15 +116,7 @@ def note_turn(turns: Turns, w: int, m: int, side: int) -> None:
 
 
 @kernel
-def best_command(
-    task: LocalTask,
-    options: Any,
-    window: tuple[float, float, float, float],
-    limits: Floats,
-    step: float,
-    turned: int,
-    tables: LocalTables,
-) -> tuple[float, float]:
+def best_command(task: LocalTask, options: Any, turned: int, tables: LocalTables) -> tuple[float, float]:
     """Return the admissible command whose way costs least; without any, that to escape.
 
     A body that has turned on the spot to both sides does so no more while it can go on; else it goes on turning to the
@@ -140,13 +128,11 @@ def best_command(
     Args:
         task: What the body has to do.
         options: Those of the behaviour.
-        window: Least and greatest value of the command's first number, then of the second.
-        limits: Greatest accelerations of both [m/s2 or rad/s2].
-        step: Duration of a step [s].
         turned: See ``Turns``.
         tables: What it sees.
     """
-    drive, (low, high, least, most) = task.wheels.drive, window
+    moving, drive = task.moving, task.moving.drive
+    (low, high), (least, most) = window_of(moving, 0, moving.velocity[0]), window_of(moving, 1, moving.velocity[1])
     rolls, spot = drive in (DIFFERENTIAL, ACKERMANN), drive == DIFFERENTIAL and low <= 0.0 <= high
     if rolls:
         # If a step cannot reach the minimum speed, only that speed is tried.
@@ -171,10 +157,10 @@ def best_command(
             needed = options.free_time
             if np.isnan(needed):
                 # A steering angle need not be undone to stop.
-                turning = 0.0 if drive == ACKERMANN else stop_time(two, limits[1])
+                turning = 0.0 if drive == ACKERMANN else stop_time(two, moving.change[1])
                 # The command is executed for a step before braking can begin.
-                needed = step + max(stop_time(one, limits[0]), turning)
-            cost = way_cost(task, options, rollouts.twist_of(task.wheels, one, two), needed, tables)
+                needed = moving.step + max(stop_time(one, moving.change[0]), turning)
+            cost = way_cost(task, options, rollouts.twist_of(moving, task.facing, one, two), needed, tables)
             if cost < best:
                 best, first, second = cost, one, two
     return first, second

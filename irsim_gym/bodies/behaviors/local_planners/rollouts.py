@@ -3,14 +3,13 @@
 All coordinates are in the body's present frame: x ahead, y to the left [m].
 """
 
-from typing import NamedTuple
-
 import numpy as np
 
-from irsim_gym.base.arraytypes import BodyOutline, Floats, Record
+from irsim_gym.base.arraytypes import BodyOutline, Floats, Record, Vector
+from irsim_gym.base.kernels import kernel
 from irsim_gym.base.kernels.structs import record_type
+from irsim_gym.bodies.behaviors.pursuit.motion import Moving
 from irsim_gym.simulator.geometry.overlap import is_round, point_outline_distance
-from irsim_gym.simulator.world.names import OMNI_WORLD, Model, State, kernel, row_of
 from irsim_gym.simulator.world.twist import Twist, body_twist
 
 LANES = 16
@@ -23,66 +22,14 @@ POSES = record_type("x y cosine sine near", LANES)
 """Poses [m], and the squared distance of each from the nearest point [m2]."""
 
 
-class Wheels(NamedTuple):
-    """How a body moves with a command.
-
-    Attributes:
-        drive: How the command reads, see ``simulator.world.model``.
-        by_rate: The second number of an Ackermann drive's command is a turn rate, no steering angle.
-        wheelbase: Its axle distance [m].
-        cosine: Cosine of its heading.
-        sine: Sine of its heading.
-    """
-
-    drive: int
-    by_rate: bool
-    wheelbase: float
-    cosine: float
-    sine: float
-
-
 @kernel
-def wheels_of(model: Model, state: State, w: int, b: int, by_rate: bool) -> Wheels:
-    """Return how body b of world w moves.
-
-    Reads: model (drive, wheelbase), state (pose).
-    """
-    heading = state.pose[w, b, 2]
-    return Wheels(model.drive[b], by_rate, model.wheelbase[b], np.cos(heading), np.sin(heading))
-
-
-@kernel
-def twist_of(wheels: Wheels, first: float, second: float) -> Twist:
-    """Return the twist with which a command is executed.
+def twist_of(moving: Moving, facing: Vector, first: float, second: float) -> Twist:
+    """Return the twist with which a body executes a command, with the cosine and the sine of its heading.
 
     An Ackermann drive is taken to steer at once, although its wheels follow one step later.
     """
-    wheelbase = 0.0 if wheels.by_rate else wheels.wheelbase
-    return body_twist((first, second, 0.0), second, wheels.cosine, wheels.sine, wheels.drive, wheelbase)
-
-
-@kernel
-def command_window(model: Model, state: State, w: int, b: int, axis: int) -> tuple[float, float]:
-    """Return the least and the greatest value of a number of the command that is executed as it is asked for.
-
-    That is the dynamic window: [max(v_min, v - a t), min(v_max, v + a t)] with the step's duration t.
-
-    Reads: model (acceleration_limit, drive, step_time, velocity_max, velocity_min), state (twist, velocity).
-
-    Args:
-        model: What the body can do.
-        state: Current state of the worlds.
-        w: World.
-        b: The body.
-        axis: Which number of the command.
-    """
-    # A plugin's drive gets its command like an omnidirectional one, but `velocity` is in coordinates of its own.
-    now = state.twist[w, b, axis] if model.drive[b] == OMNI_WORLD else state.velocity[w, b, axis]
-    change = model.acceleration_limit[row_of(model.acceleration_limit, w), b, axis] * model.step_time[0]
-    least = max(model.velocity_min[row_of(model.velocity_min, w), b, axis], now - change)
-    most = min(model.velocity_max[row_of(model.velocity_max, w), b, axis], now + change)
-    # A body that is faster than its limits allow cannot reach them in a step: one value is left.
-    return min(least, most), most
+    wheelbase = 0.0 if moving.by_rate else moving.wheelbase
+    return body_twist((first, second, 0.0), second, facing[0], facing[1], moving.drive, wheelbase)
 
 
 @kernel

@@ -5,9 +5,10 @@ from typing import Any, NamedTuple, Self
 
 import numpy as np
 
-from irsim_gym.base.arraytypes import BodyOutline, Flags, Floats, Records
-from irsim_gym.bodies.behaviors.local_planners.rollouts import POSES, Wheels, find_nearest, gap_at, lay_poses, wheels_of
+from irsim_gym.base.arraytypes import BodyOutline, Flags, Floats, Records, Vector
+from irsim_gym.bodies.behaviors.local_planners.rollouts import POSES, find_nearest, gap_at, lay_poses
 from irsim_gym.bodies.behaviors.local_planners.way import MOST_POINTS, LocalWays, lay_way, way_length
+from irsim_gym.bodies.behaviors.pursuit.motion import Moving, moving_of
 from irsim_gym.bodies.behaviors.shared.steering import commanded_by_rate
 from irsim_gym.simulator.world.names import ACKERMANN, DIFFERENTIAL, Group, Model, State, Struct, kernel, row_of
 from irsim_gym.simulator.world.outline import own_outline
@@ -52,7 +53,8 @@ class LocalTask(NamedTuple):
     """The task of a body, in its own frame.
 
     Attributes:
-        wheels: Its motion.
+        moving: What it does and can do.
+        facing: Cosine and sine of its heading.
         outline: Its outline.
         reach: Radius of the disc that encloses it [m].
         n_hits: Number of points that it sees, in ``LocalTables.hits``.
@@ -65,7 +67,8 @@ class LocalTask(NamedTuple):
         forward: Distance ahead of the body at which the end of a motion is measured [m].
     """
 
-    wheels: Wheels
+    moving: Moving
+    facing: Vector
     outline: BodyOutline
     reach: float
     n_hits: int
@@ -94,21 +97,24 @@ def is_under_way(model: Model, state: State, w: int, b: int) -> bool:
 def task_of(w: int, b: int, n_hits: int, options: Any, model: Model, state: State, tables: LocalTables) -> LocalTask:
     """Return what body b of world w has to do; ``tables.way`` is written.
 
-    Reads: model (disc_count, disc_start, drive, goal_threshold, local_discs, local_segments, reach, segment_count,
-        segment_start, solid, wheelbase), state (goal, pose), tables (by_rate, hits, poses, way, ways).
+    Reads: model (acceleration_limit, disc_count, disc_start, drive, goal_threshold, local_discs, local_segments, reach,
+        segment_count, segment_start, solid, step_time, velocity_max, velocity_min, wheelbase), state (goal, pose,
+        steering, twist, velocity), tables (by_rate, hits, poses, way, ways).
     Writes: tables (poses, way).
     """
-    wheels, outline = wheels_of(model, state, w, b, tables.by_rate[b]), own_outline(model, w, b)
+    moving, outline = moving_of(model, state, w, b, tables.by_rate[b]), own_outline(model, w, b)
+    cosine, sine = np.cos(state.pose[w, b, 2]), np.sin(state.pose[w, b, 2])
     dx, dy = state.goal[w, b, 0] - state.pose[w, b, 0], state.goal[w, b, 1] - state.pose[w, b, 1]
     reach, near = model.reach[row_of(model.reach, w), b], model.goal_threshold[row_of(model.goal_threshold, w), b]
     n_way = lay_way(state, tables.ways, w, b, options.lookahead, tables.way)
-    rolls = wheels.drive == DIFFERENTIAL or wheels.drive == ACKERMANN
+    rolls = moving.drive in (DIFFERENTIAL, ACKERMANN)
     bearable = bearable_gap(outline, reach, n_hits, options.footprint_padding, tables)
     # Into the body's frame, in which hits, path and rollouts are.
-    goal_x, goal_y = wheels.cosine * dx + wheels.sine * dy, wheels.cosine * dy - wheels.sine * dx
+    goal_x, goal_y = cosine * dx + sine * dy, cosine * dy - sine * dx
     forward = min(options.forward_point, np.sqrt(dx * dx + dy * dy)) if rolls else 0.0
     length = way_length(tables.way, n_way)
-    return LocalTask(wheels, outline, reach, n_hits, bearable, n_way, length, goal_x, goal_y, near, forward)
+    facing = cosine, sine
+    return LocalTask(moving, facing, outline, reach, n_hits, bearable, n_way, length, goal_x, goal_y, near, forward)
 
 
 @kernel

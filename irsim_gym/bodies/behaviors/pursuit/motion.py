@@ -61,12 +61,28 @@ def moving_of(model: Model, state: State, w: int, b: int, by_rate: bool) -> Movi
 
 
 @kernel
+def window_of(moving: Moving, axis: int, now: float) -> tuple[float, float]:
+    """Return the least and the greatest value of a number of the command that a step executes as it is asked for.
+
+    That is the dynamic window: [max(v_min, v - a t), min(v_max, v + a t)] with the step's duration t.
+
+    Args:
+        moving: What the body can do.
+        axis: Which number of the command.
+        now: What is executed now.
+    """
+    change = moving.change[axis] * moving.step
+    most = min(moving.high[axis], now + change)
+    # A body that is faster than its limits allow cannot reach them in a step: one value is left.
+    return min(max(moving.low[axis], now - change), most), most
+
+
+@kernel
 def executed(moving: Moving, axis: int, asked: float, now: float) -> float:
     """Return what becomes of one number of a command, from what is executed now, as ``simulator.step.command_limits``
     does.
     """
-    least = max(moving.low[axis], now - moving.change[axis] * moving.step)
-    most = min(moving.high[axis], now + moving.change[axis] * moving.step)
+    least, most = window_of(moving, axis, now)
     return float(min(max(asked, least), most))
 
 

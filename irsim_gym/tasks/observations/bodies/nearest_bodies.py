@@ -102,11 +102,11 @@ class NearestBodies(EncodesDepths):
         is_there = gap < far
         scale = gap.op("Sign") / away  # from inside, the nearest point lies behind
         ways = (is_there & (away > 0.0)).spread(2).where(rows.columns(0, 2, 2) * scale.spread(2), 0.0)
-        depth = is_there.where(gap - extent_graph(model, body, ways.part(0), ways.part(1)), far).most(0.0).least(far)
+        depth = is_there.where(gap - extent_graph(model, body, ways.part(0), ways.part(1)), far).between(0.0, far)
         n_axes = 2 if model.drive[body] in (OMNI_WORLD, OMNI_BODY, OMNI_ANGULAR) else 1
         own = robot.velocity.columns(0, n_axes).times(np.eye(n_axes, 2)).spread(1)
         motion = is_there.spread(2).where((rows.columns(2, 4, 2) - own) / self.speed, 0.0)
-        ways, motion = (values.most(-1.0).least(1.0).cast(np.float32) for values in (ways, motion))
+        ways, motion = (values.between(-1.0, 1.0).cast(np.float32) for values in (ways, motion))
         numbers = [ways, self.coded_graph(far, depth.cast(np.float32)).spread(2), motion]
         return robot.graph.join(numbers, axis=2).op("Flatten")
 

@@ -50,11 +50,9 @@ class Goal:
 
     def graph(self, term: Term, model: Model, agent: int, robot: RobotValues) -> Value:
         """Return the columns as a graph; see ``HasGraph``."""
-        ahead, left = robot.own_frame(robot.goal.columns(0, 1), robot.goal.columns(1, 2))
-        d = (ahead * ahead + left * left).op("Sqrt")
-        away, full = d > 0.0, self.scale or diagonal(model.bounds)
-        cosine, sine = (away.where((part / d).most(-1.0).least(1.0), at) for part, at in ((ahead, 1.0), (left, 0.0)))
-        columns = [(d / full).least(1.0), cosine, sine, (-d / self.near).op("Exp")]
+        ways = robot.ways(robot.goal.columns(0, 2).spread(1))
+        d, full = ways.length(2), self.scale or diagonal(model.bounds)
+        columns = [(d / full).least(1.0), robot.direction(ways), (d / -self.near).op("Exp")]
         return robot.graph.join(columns).cast(np.float32)
 
     @staticmethod

@@ -33,8 +33,7 @@ class GoalHeading:
     def graph(self, term: Term, model: Model, agent: int, robot: RobotValues) -> Value:
         """Return the columns as a graph; see ``HasGraph``."""
         turn = robot.goal.columns(2, 3) - robot.pose.columns(2, 3)
-        both = robot.graph.join([turn.op("Cos"), turn.op("Sin")])
-        return (~turn.is_nan()).where(both, 0.0).cast(np.float32)
+        return (~turn.is_nan()).where(turn.unit(), 0.0).cast(np.float32)
 
     @staticmethod
     def write(term: Term, model: Model, state: State, episode: EpisodeState, shard: Shard) -> None:

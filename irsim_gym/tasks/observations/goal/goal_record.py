@@ -70,17 +70,15 @@ class GoalRecord:
     def graph(self, term: Term, model: Model, agent: int, robot: RobotValues) -> Value:
         """Return the columns as a graph; see ``HasGraph``."""
         graph, goal = robot.graph, robot.goal.columns(0, 2)
+        d = robot.ways(goal.spread(1)).length(2)
         nearest, target = graph.state("record_nearest", np.array([np.inf])), graph.state("record_goal", np.zeros(2))
         since = graph.state("record_age", np.zeros(1))
-        away = goal - robot.pose.columns(0, 2)
-        squares, same = away * away, goal.equals(target)
-        d = (squares.columns(0, 1) + squares.columns(1, 2)).op("Sqrt")
-        is_new = (d < nearest) | ~(same.columns(0, 1) & same.columns(1, 2))
+        is_new = (d < nearest) | ((goal - target).spread(1).length(2) > 0.0)
         nearest, since = is_new.where(d, nearest), (~is_new).where(since + robot.elapsed, 0.0)
         for name, value in (("record_nearest", nearest), ("record_goal", goal), ("record_age", since)):
             graph.keep(name, value)
-        excess = d - nearest
-        return graph.join([excess / (excess + self.near), since / (since + self.soon)]).cast(np.float32)
+        both = graph.join([d - nearest, since])
+        return (both / (both + np.array([self.near, self.soon]))).cast(np.float32)
 
     @staticmethod
     def write(term: Term, model: Model, state: State, episode: EpisodeState, shard: Shard) -> None:

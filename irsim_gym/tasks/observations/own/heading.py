@@ -31,8 +31,7 @@ class Heading:
 
     def graph(self, term: Term, model: Model, agent: int, robot: RobotValues) -> Value:
         """Return the columns as a graph; see ``HasGraph``."""
-        heading = robot.pose.columns(2, 3)
-        return robot.graph.join([heading.op("Cos"), heading.op("Sin")]).cast(np.float32)
+        return robot.pose.columns(2, 3).unit().cast(np.float32)
 
     @staticmethod
     def write(term: Term, model: Model, state: State, episode: EpisodeState, shard: Shard) -> None:

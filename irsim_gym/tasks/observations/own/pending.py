@@ -58,7 +58,7 @@ class Pending:
         sent = graph.state("sent_actions", np.full((self.steps, term.action_size), np.nan, np.float32))
         kept = graph.join([action, sent.is_nan().where(action, sent)]).columns(0, self.steps)
         graph.keep("sent_actions", kept)
-        return graph.join([kept.take(np.array(k)) for k in range(self.steps)])
+        return kept.op("Flatten")
 
     @staticmethod
     def write(term: Term, model: Model, state: State, episode: EpisodeState, shard: Shard) -> None:

@@ -71,22 +71,19 @@ class Trail:
         """Return the columns as a graph; see ``HasGraph``."""
         # Places are NaN until a mark is left there; the latest mark is first.
         marks = robot.graph.state("trail", np.full((self.marks, 2), np.nan))
-        here = robot.pose.columns(0, 2).spread(1)
-        away = marks.columns(0, 1) - here
-        squares = away * away
-        near = (squares.part(0) + squares.part(1) < self.spacing**2).spread(2)
-        kept = near.where(marks, robot.graph.join([here, marks.columns(0, self.marks - 1)]))
+        here, latest = robot.pose.columns(0, 2).spread(1), robot.ways(marks.columns(0, 1))
+        is_near = latest.op("ReduceSumSquare", axes=[2]) < self.spacing**2
+        kept = is_near.where(marks, robot.graph.join([here, marks.columns(0, self.marks - 1)]))
         robot.graph.keep("trail", kept)
         if self.fresh >= self.marks:
             return robot.constant(np.zeros(self.sectors))
-        old = kept.columns(self.fresh, self.marks)
-        x, y = robot.own_frame(old.part(0), old.part(1))
-        d = (x * x + y * y).op("Sqrt")
+        ways = robot.ways(kept.columns(self.fresh, self.marks))
+        d = ways.length(2)
+        nearness = (self.near / (d + self.near)).cast(np.float32).spread(1)
         if self.fresh == 0:  # the latest mark may be here: it counts as along the world's x axis
-            is_here, heading = d.equals(0.0), robot.pose.columns(2, 3)
-            x, y = is_here.where(heading.op("Cos"), x), is_here.where(-heading.op("Sin"), y)
-        nearness = (self.near / (d + self.near)).cast(np.float32).spread(2)
-        return sector_flags(x, y, self.sectors).where(nearness, 0.0).largest(1)
+            ways = (~d.equals(0.0)).spread(2).where(ways, np.array([1.0, 0.0]))
+        places = robot.turned(ways).op("Transpose", perm=[0, 2, 1])
+        return sector_flags(places, self.sectors).where(nearness, 0.0).largest(2)
 
     @staticmethod
     def write(term: Term, model: Model, state: State, episode: EpisodeState, shard: Shard) -> None:

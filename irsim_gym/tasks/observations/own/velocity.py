@@ -63,10 +63,10 @@ class Velocity:
         b, size = term.agents[agent], term.action_size
         low, high = np.minimum(model.velocity_min[0, b, :size], 0.0), np.maximum(model.velocity_max[0, b, :size], 0.0)
         largest = np.maximum(-low, high)
-        velocity = robot.velocity.most(low).least(high)
+        velocity = robot.velocity.between(low, high)
         if model.drive[b] == OMNI_WORLD:
             largest = np.full(size, np.hypot(largest[0], largest[1]))
-            velocity = robot.velocity.most(-largest).least(largest)
+            velocity = robot.velocity.between(-largest, largest)
         return (velocity / np.where(largest > 0.0, largest, 1.0)).cast(np.float32)
 
     @staticmethod

@@ -7,6 +7,7 @@ import numpy as np
 
 from irsim_gym.base.options import kind, option
 from irsim_gym.tasks.observations.scan.ranges import (
+    FAR_OFF,
     WITHOUT_SENSOR,
     EncodesDepths,
     code_problems,
@@ -107,17 +108,18 @@ class FreeTravel(ObservesTravel):
     def graph(self, term: Term, model: Model, agent: int, robot: RobotValues) -> Value:
         """Return the columns as a graph; see ``HasGraph``."""
         ways: Ways = term.arrays
-        ahead_x, ahead_y, far, radius = ways.ahead_x, ways.ahead_y, ways.far[agent], ways.radius[agent]
-        x, y = (
-            (robot.ranges * beams[agent] + ways.mount[agent, axis]).spread(2)
-            for axis, beams in enumerate((ways.beams_x, ways.beams_y))
-        )
-        along, aside = x * ahead_x + y * ahead_y, y * ahead_x - x * ahead_y
+        far, radius, (x, y) = ways.far[agent], ways.radius[agent], ways.mount[agent].astype(np.float64)
+        beams = ways.beams_x[agent] + 1j * ways.beams_y[agent]
+        turned = (ways.ahead_x - 1j * ways.ahead_y).astype(np.complex128)
+        ranges = (robot.ranges < ways.sight[agent]).where(robot.ranges, FAR_OFF).spread(1)
+        # How far each point lies along and aside each direction, ``(batch, n_directions, n_beams)``.
+        along, aside = (ranges * part(np.outer(turned, beams)) for part in (np.real, np.imag))
+        if x or y:
+            mount = (turned * complex(x, y))[:, None]
+            along, aside = along + mount.real, aside + mount.imag
         room = radius * radius - aside * aside
-        way = (along - room.most(0.0).op("Sqrt")).most(0.0)
-        is_hit = (robot.ranges < ways.sight[agent]).spread(2)
-        lengths = (is_hit & (room > 0.0) & (along > 0.0)).where(way, far).smallest(1).least(far)
-        return self.coded_graph(far, lengths)
+        lengths = ((room > 0.0) & (along > 0.0)).where(along - room.op("Sqrt"), far).smallest(2)
+        return self.coded_graph(far, lengths.between(0.0, far))
 
     @staticmethod
     def write(term: Term, model: Model, state: State, episode: EpisodeState, shard: Shard) -> None:

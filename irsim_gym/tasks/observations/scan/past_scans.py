@@ -9,6 +9,7 @@ from irsim_gym.base.arraytypes import Floats, Ints, Rays
 from irsim_gym.simulator.geometry.angles import TURN, nearly_arctan2
 from irsim_gym.simulator.world.state import State
 from irsim_gym.tasks.observations.scan.ranges import (
+    FAR_OFF,
     WITHOUT_SENSOR,
     EncodesDepths,
     code_problems,
@@ -17,7 +18,7 @@ from irsim_gym.tasks.observations.scan.ranges import (
     shared_sensors,
 )
 from irsim_gym.tasks.terms import Bound, EpisodeState, Model, Shard, Simulation, Struct, Term, kernel, kind, option
-from irsim_gym.tasks.terms.graph import RobotValues, Value, sector_flags
+from irsim_gym.tasks.terms.graph import RobotValues, Value, rotation, sector_flags
 from irsim_gym.tasks.terms.mirrored import Mirrored, sectors_exchanged
 from irsim_gym.tasks.terms.term import Needs
 from irsim_gym.tasks.terms.words import Columns, coded, evenly
@@ -127,15 +128,15 @@ class PastScans(EncodesDepths):
         robot.graph.keep("past_scans", scans.columns(0, oldest))
         robot.graph.keep("past_poses", poses.columns(0, oldest))
         scans, poses, far = scans.take(np.array(self.ago)), poses.take(np.array(self.ago)), memory.far[agent]
-        x, y = (scans.cast(np.float64) * memory.beams[agent, axis] + memory.mount[agent, axis] for axis in (0, 1))
+        reached = (scans < far).where(scans, FAR_OFF).cast(np.float64).spread(2)
+        ends = reached * memory.beams[agent] + memory.mount[agent][:, None]
         # The way between two poses is a difference of large numbers: it comes first.
-        moved_x, moved_y = (way.spread(2) for way in robot.own_frame(poses.part(0), poses.part(1)))
-        turn = (poses.part(2) - robot.pose.columns(2, 3)).spread(2)
-        cosine, sine = turn.op("Cos"), turn.op("Sin")
-        ahead, left = moved_x + cosine * x - sine * y, moved_y + sine * x + cosine * y
-        depth = ((ahead * ahead + left * left).op("Sqrt") - memory.reach[agent]).most(0.0).cast(np.float32)
-        is_hit = (scans < far).spread(3) & sector_flags(ahead, left, self.sectors)
-        return self.coded_graph(far, is_hit.where(depth.spread(3), far).smallest(2).least(far)).op("Flatten")
+        moved = robot.turned(robot.ways(poses.columns(0, 2, 2))).spread(3)
+        turns = rotation(poses.columns(2, 3, 2) - robot.pose.columns(2, 3).spread(2), len(self.ago))
+        places = turns.times(ends) + moved
+        depth = (places.length(2, keeps=True) - memory.reach[agent]).cast(np.float32)
+        depths = sector_flags(places, self.sectors).where(depth, far).smallest(3)
+        return self.coded_graph(far, depths.between(0.0, far)).op("Flatten")
 
     @staticmethod
     def write(term: Term, model: Model, state: State, episode: EpisodeState, shard: Shard) -> None:

@@ -11,6 +11,8 @@ from irsim_gym.tasks.terms.graph import Value
 
 Code = Literal["inverse", "linear"]
 INVERSE, LINEAR = 0, 1
+FAR_OFF = 1e6
+"""Where beams that hit nothing end in graphs [m]."""
 
 WITHOUT_SENSOR = option(
     "",

@@ -115,8 +115,8 @@ class Scan(EncodesDepths):
         first, last = sectors.first.astype(np.int64), sectors.last.astype(np.int64)
         # Sectors with fewer beams than others name their last one again.
         beams = np.minimum(first[:, None] + np.arange((last - first).max()), last[:, None] - 1)
-        depths = (robot.ranges - sectors.extent[agent]).least(sectors.far[agent]).most(0.0)
-        return self.coded_graph(sectors.far[agent], depths.take(beams).smallest(2))
+        depths, far = (robot.ranges - sectors.extent[agent]).take(beams).smallest(2), sectors.far[agent]
+        return self.coded_graph(far, depths.between(0.0, far))
 
     @staticmethod
     def write(term: Term, model: Model, state: State, episode: EpisodeState, shard: Shard) -> None:

@@ -63,15 +63,11 @@ class WayOnSeenMap(ObservesWay):
         return way_columns(point, "length s of that way", scaled)
 
     def graph(self, term: Term, model: Model, agent: int, robot: RobotValues) -> Value:
-        """Return the columns as a graph, see ``HasGraph``; the robot finds the way itself (``robot/perceive.py``)."""
+        """Return the columns as a graph, see ``HasGraph``; the robot finds the way itself (``parts/perceive.py``)."""
         way = robot.graph.input("way_on_seen_map", np.float64, 3)
-        ahead, left = robot.own_frame(way.columns(0, 1), way.columns(1, 2))
-        far = (ahead * ahead + left * left).op("Sqrt")
-        cosine, sine = (
-            (far > 0.0).where((part / far).most(-1.0).least(1.0), at) for part, at in ((ahead, 1.0), (left, 0.0))
-        )
-        length = ((far + way.columns(2, 3)) / diagonal(model.bounds)).least(1.0)
-        return robot.graph.join([cosine, sine, length]).cast(np.float32)
+        first = robot.ways(way.columns(0, 2).spread(1))
+        length = ((first.length(2) + way.columns(2, 3)) / diagonal(model.bounds)).least(1.0)
+        return robot.graph.join([robot.direction(first), length]).cast(np.float32)
 
     @staticmethod
     def begin(term: Term, model: Model, state: State, episode: EpisodeState, shard: Shard) -> None:

@@ -1,18 +1,18 @@
-"""Levels of others: small made files, and the collections in ../shared/data where they are."""
+"""Levels of others: scripts convert small made files, and the collections in ../shared/data where they are."""
 
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 
 import irsim_gym as ig
-from irsim_gym.errors import ScenarioError, UnreadableFileError
-from irsim_gym.evaluation.levels.barn import import_barn
-from irsim_gym.evaluation.levels.jaxnav import import_jaxnav
+from irsim_gym.levels import LevelSet
 
-DATA = Path(__file__).parents[4] / "shared" / "data"
+AGENTS = Path(__file__).parents[2] / "agents"
+DATA = Path(__file__).parents[3] / "shared" / "data"
 WORLD = """<sdf version='1.6'><world name='default'>
 <model name='ground_plane'><link><collision><geometry><plane/></geometry></collision></link></model>
 {}<state><model name='unit_cylinder_0'><pose>9 9 0 0 0 0</pose></model></state></world></sdf>"""
@@ -33,6 +33,31 @@ def shared(name: str) -> Path:
     return file
 
 
+@pytest.fixture(autouse=True)
+def scripts(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.syspath_prepend(str(AGENTS))
+
+
+def written(arrays: dict[str, Any], file: Path) -> LevelSet:
+    """Levels as a script writes them and the package reads them."""
+    from irsim_gym.scenario.reading.level_reading import read_levels
+
+    np.savez_compressed(file, **arrays)
+    return read_levels(file)
+
+
+def barn(copy: Path, file: Path) -> LevelSet:
+    from barn_levels import barn_levels
+
+    return written(barn_levels(copy), file)
+
+
+def jaxnav(arrays: dict[str, Any], file: Path) -> LevelSet:
+    from jaxnav_pickle import levels_of
+
+    return written(levels_of(arrays, "nav.pkl"), file)
+
+
 def test_barn_folders_are_read_in_the_order_of_their_numbers(tmp_path: Path) -> None:
     def write(number: int, *cylinders: tuple[float, float, float]) -> None:
         models = [CYLINDER.format(i, *cylinder) for i, cylinder in enumerate(cylinders)]
@@ -40,10 +65,9 @@ def test_barn_folders_are_read_in_the_order_of_their_numbers(tmp_path: Path) -> 
 
     write(10, (-4.425, 0.075, 0.075))
     write(2, (-2.175, 5.0249999, 0.075), (-0.075, 9.525, 0.075))
-    levels = import_barn(tmp_path)
-    assert [np.argwhere(cells).tolist() for cells in levels.cells] == [[[15, 33], [29, 63]], [[0, 0]]]
     file = tmp_path / "levels.npz"
-    file.write_bytes(levels.content())
+    levels = barn(tmp_path, file)
+    assert [np.argwhere(cells).tolist() for cells in levels.cells] == [[[15, 33], [29, 63]], [[0, 0]]]
     sim = ig.compile(ig.load_scenario(file), 2)  # of the benchmark that it names
     sim.reset(0)
     assert sim.state.pose[:, 0].tolist() == [[-2.25, 3.0, np.pi / 2]] * 2
@@ -51,20 +75,26 @@ def test_barn_folders_are_read_in_the_order_of_their_numbers(tmp_path: Path) -> 
     ahead = sim.sensors[0].arrays["ranges"][0, 0, 300:420]
     # World 2: from 0.065 m behind (-2.25, 3), the post at (-2.175, 5.025) is ahead and a little to the right.
     assert ahead.min() == pytest.approx(np.hypot(0.075, 2.09) - 0.075, abs=1e-3)
-    write(5, (-2.0, 3.075, 0.075), (-2.025, 3.075, 0.075))
-    write(6, (-2.025, 3.075, 0.175))
-    write(7, (-2.025, 13.575, 0.075))
-    with pytest.raises(ScenarioError, match=r"(?s)3 problems.*5.world.*\(-2, 3.075\).*6.world.*0.175 at.*7.world"):
-        import_barn(tmp_path)
-    (tmp_path / "world_3.world").write_text("<sdf>")
-    (tmp_path / "world_4.world").write_text(WORLD.format(""))
-    with pytest.raises(ScenarioError, match=r"(?s)2 problems.*world_3.world: cannot be read.*world_4.world: holds no"):
-        import_barn(tmp_path)
+    for name, cylinder, told in (
+        ("5", (-2.0, 3.075, 0.075), r"\(-2, 3.075\)"),
+        ("6", (-2.025, 3.075, 0.175), "0.175 at"),
+        ("7", (-2.025, 13.575, 0.075), "13.575"),
+    ):
+        write(int(name), cylinder)
+        with pytest.raises(SystemExit, match=f"world_{name}.world: cylinders must .*{told}"):
+            barn(tmp_path, file)
+        (tmp_path / f"world_{name}.world").unlink()
+    for content, told in (("<sdf>", "cannot be read as a Gazebo world"), (WORLD.format(""), "holds no cylinder")):
+        (tmp_path / "world_3.world").write_text(content)
+        with pytest.raises(SystemExit, match=f"world_3.world {told}"):
+            barn(tmp_path, file)
+    np.savez(tmp_path / "barn.npz", cylinder_xy=np.zeros((4, 2)), world_start=[0, 3, 9])
+    with pytest.raises(SystemExit, match="world_start must rise from 0 to the number of cylinders, 4"):
+        barn(tmp_path / "barn.npz", file)
 
 
 def test_jaxnav_arrays_become_levels(tmp_path: Path) -> None:
-    np.savez(tmp_path / "levels.npz", **NAV)
-    levels = import_jaxnav(tmp_path / "levels.npz")
+    levels = jaxnav(NAV, tmp_path / "levels.npz")
     assert levels.bodies == ("robot_0",)
     assert "scenario" not in levels.about, "these maps are smaller than the benchmark's"
     assert np.argwhere(levels.cells).tolist() == [[0, 3, 2]]
@@ -73,33 +103,13 @@ def test_jaxnav_arrays_become_levels(tmp_path: Path) -> None:
     assert np.isnan(levels.goal[..., 2]).all()
 
 
-def test_bad_arrays_of_others_are_told_all_at_once(tmp_path: Path) -> None:
-    np.savez(tmp_path / "nav.npz", cells=np.zeros((2, 3, 3)), start_xy=np.zeros((3, 1, 2)), goal_xy=np.zeros(3))
-    with pytest.raises(ScenarioError) as caught:
-        import_jaxnav(tmp_path / "nav.npz")
-    for told in (
-        "start_xy: must be numbers with the axes (level, robot, 2): level must be 2 long, got 3",
-        "start_heading: is missing",
-        "goal_xy: must be numbers with the axes (level, robot, 2), got float64",
-    ):
-        assert told in str(caught.value)
-    (tmp_path / "nav.txt").write_text("no archive")
-    for name, told in (("nav.txt", "is no .npz file"), ("none.npz", "no such file")):
-        with pytest.raises(UnreadableFileError, match=told):
-            import_jaxnav(tmp_path / name)
-    np.savez(tmp_path / "barn.npz", cylinder_xy=np.zeros((4, 2)), world_start=[0, 3, 9])
-    with pytest.raises(ScenarioError, match="world_start: must rise from 0 to the number of cylinders, 4"):
-        import_barn(tmp_path / "barn.npz")
-
-
 def test_the_published_levels_of_jaxnav(tmp_path: Path) -> None:
-    levels = import_jaxnav(shared("jaxnav_four_1000.npz"))
+    levels = jaxnav(dict(np.load(shared("jaxnav_four_1000.npz"))), tmp_path / "four.npz")
     assert (levels.count, levels.bodies) == (1000, ("robot_0", "robot_1", "robot_2", "robot_3"))
     for ends in (levels.start, levels.goal[:, :, 0]):
         column, row = np.moveaxis(np.floor(ends[..., :2]).astype(int), 2, 0)
         assert not levels.cells[np.arange(1000)[:, None], column, row].any()
     assert levels.about["scenario"] == "jaxnav_four"
-    (tmp_path / "four.npz").write_bytes(levels.content())
     data = {
         "world": {"width": 11, "height": 11, "obstacle_map": {"name": "cells"}}, "levels": str(tmp_path / "four.npz"),
         "robot": {"number": 4, "kinematics": {"name": "diff"}, "distribution": {"name": "cells"},
@@ -111,8 +121,8 @@ def test_the_published_levels_of_jaxnav(tmp_path: Path) -> None:
     assert (sim.model.map_squares[1, 0] == 0).tolist() == levels.cells[8].tolist()
 
 
-def test_the_worlds_of_barn() -> None:
-    levels = import_barn(shared("barn_worlds.npz"))
+def test_the_worlds_of_barn(tmp_path: Path) -> None:
+    levels = barn(shared("barn_worlds.npz"), tmp_path / "barn.npz")
     assert levels.count == 300
     counts = levels.cells.sum(axis=(1, 2))
     assert (counts.min(), counts.max(), counts.sum()) == (181, 365, 78925)

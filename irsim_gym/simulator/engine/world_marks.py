@@ -1,22 +1,39 @@
-"""What pictures show of disturbances: where robots believe to be, and where their scanners are blind."""
+"""What pictures show over a world: where robots believe to be, where their scanners are blind, what they feel."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from irsim_gym.simulator.readings.marks import LineMark
+from irsim_gym.simulator.pushing.memory import Pushing
+from irsim_gym.simulator.readings.marks import LineMark, Mark, PointsMark
 from irsim_gym.simulator.step.disturbances import Disturbances
+from irsim_gym.simulator.world.group import Group
 from irsim_gym.simulator.world.model import Model
 from irsim_gym.simulator.world.outline import corner_points, outline_rows, placed
 from irsim_gym.simulator.world.state import State
 
 BELIEVED, BLIND = "#7C3AED", "#64748B"
 """Colours of believed outlines and of blind sectors."""
+CONTACTS = 5.0
+"""Layer of contacts."""
 
 
 def marks_of(found: Disturbances, model: Model, state: State, w: int) -> tuple[LineMark, ...]:
     """Return marks over a world: dashed outlines at believed poses, shaded sectors where scanners are blind."""
     return (*_blind_sectors(found, model, state, w), *_believed(found, model, w))
+
+
+def contact_marks(sensors: Sequence[Group], pushing: Pushing | None, w: int) -> Iterator[Mark]:
+    """Yield a point for each contact that a body's ``contact2d`` feels, and a line as long as its force."""
+    felt = () if pushing is None else pushing.reports[w, : pushing.n_reports[w]]
+    for group in (group for group in sensors if group.kind.reading == "contact"):
+        for b, options in zip(group.members.tolist(), group.options, strict=True):
+            color, alpha, width = (options.drawn(key) for key in ("color", "alpha", "linewidth"))
+            for told in (told for told in felt if b in (told["a"], told["b"])):
+                point, length = np.array([told["x"], told["y"]]), told["force"] * options.drawn("force_scale")
+                end = point + length * np.array([told["nx"], told["ny"]]) * (1.0 if told["a"] == b else -1.0)
+                yield PointsMark(point[None], color, alpha, options.drawn("marker_size"), (), 0.0, CONTACTS)
+                yield LineMark(np.vstack([point, end]), color, alpha, width, "solid", False, "", CONTACTS)
 
 
 def _believed(found: Disturbances, model: Model, w: int) -> Iterator[LineMark]:

@@ -1,4 +1,0 @@
-"""Ray RLlib: runners and batches.
-
-The only folder with Ray.
-"""
