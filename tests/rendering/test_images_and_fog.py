@@ -166,13 +166,13 @@ def test_shipped_images_are_drawn_by_their_script() -> None:
     script = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(script)
     drawn = script.draw_all()
-    assert set(drawn) == set(library.images())
+    assert set(drawn) == set(library.assets("images"))
     for name, image in drawn.items():
-        pixels = load_image(library.images()[name]).astype(int)
+        pixels = load_image(library.assets("images")[name]).astype(int)
         assert np.abs(pixels - np.asarray(script.paletted(image).convert("RGBA"))).mean() < 1.0, name
         shown, whole = (seen[..., :3] * (seen[..., 3:] / 255.0) for seen in (pixels, np.asarray(image)))
         assert np.abs(shown - whole).max() < 9.0, name
-        assert library.images()[name].stat().st_size < 6_000
+        assert library.assets("images")[name].stat().st_size < 6_000
         assert (pixels[..., 3] > 200).mean() > 0.7, "most of the rectangle is covered"
         assert (pixels[[0, 0, -1, -1], [0, -1, 0, -1], 3] == 0).all(), "the corners are clear"
 

@@ -259,7 +259,7 @@ def test_plot_for_all_bodies_is_overridden_by_their_own(load: Load) -> None:
 
 def test_images_are_documented_names_or_files(load: Load, tmp_path: Path) -> None:
     assert load("robot: {description: diff_robot1.png}").bodies[0].description == "diff_robot1.png"
-    shutil.copy(library.images()["car_red.png"], tmp_path / "mine.png")
+    shutil.copy(library.assets("images")["car_red.png"], tmp_path / "mine.png")
     bodies = load(f"robot: {{number: 2, description: [mine.png, {tmp_path / 'mine.png'}]}}").bodies
     assert [body.description for body in bodies] == ["mine.png", str(tmp_path / "mine.png")]
 

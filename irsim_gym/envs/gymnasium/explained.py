@@ -31,23 +31,30 @@ class Explained:
         return self.worlds.mirror()
 
 
-class OneWorld(Explained):
-    """An environment of one world, whose present moment can be read."""
+class ReadableWorld(Explained):
+    """One of the worlds, whose present moment can be read."""
+
+    _index = 0
+    """Which one."""
 
     @property
     def robots(self) -> Bodies:
         """All robots of the level, by number or name; see ``BodyMoment``."""
-        return self.worlds.moment().robots
+        return self.worlds.moment(self._index).robots
 
     @property
     def bodies(self) -> Bodies:
         """All bodies of the level, robots first, by number or name; see ``BodyMoment``."""
-        return self.worlds.moment().bodies
+        return self.worlds.moment(self._index).bodies
 
     @property
     def time(self) -> float:
         """Time since the start of the episode [s]."""
-        return self.worlds.moment().time
+        return self.worlds.moment(self._index).time
+
+
+class OneWorld(ReadableWorld):
+    """An environment of one world."""
 
     def close(self) -> None:
         """Close the window and free the renderer. May be called twice."""

@@ -6,16 +6,15 @@ import numpy as np
 
 from irsim_gym.base.arraytypes import Flags
 from irsim_gym.base.errors import suggestion
-from irsim_gym.envs.described.description import Description
-from irsim_gym.envs.described.moment import Bodies, BodyMoment
+from irsim_gym.envs.described.moment import BodyMoment
+from irsim_gym.envs.gymnasium.explained import ReadableWorld
 from irsim_gym.envs.gymnasium.worlds import Worlds
 from irsim_gym.envs.parts.limits import ScenarioSpec
-from irsim_gym.envs.parts.mirror import Mirror
 from irsim_gym.envs.parts.pictures import RENDER_MODES
 from irsim_gym.tasks.episodes.levels import CHAIN
 
 
-class WorldView:
+class WorldView(ReadableWorld):
     """One world, or one agent of a world: what ``get_attr``, ``set_attr``, ``call`` and ``env_method`` reach.
 
     What is one for all worlds of a batch can be read, not set. Other names may be set and belong to this world alone.
@@ -28,7 +27,7 @@ class WorldView:
 
     def __init__(self, worlds: Worlds, index: int, agent: int = 0, spec: ScenarioSpec | None = None) -> None:
         self.worlds = worlds
-        self.index = index
+        self._index = index
         self.agent = agent
         self._spec = spec
 
@@ -73,46 +72,23 @@ class WorldView:
     def robot(self) -> BodyMoment:
         """The robot that learns here, as it is now, to be read."""
         simulation = self.worlds.simulation
-        return BodyMoment(simulation, int(simulation.agents[self.agent]), self.index)
-
-    @property
-    def robots(self) -> Bodies:
-        """All robots of its world."""
-        return self.worlds.moment(self.index).robots
-
-    @property
-    def bodies(self) -> Bodies:
-        """All bodies of its world, robots first."""
-        return self.worlds.moment(self.index).bodies
-
-    @property
-    def time(self) -> float:
-        """Time since the start of its world's episode [s]."""
-        return self.worlds.moment(self.index).time
+        return BodyMoment(simulation, int(simulation.agents[self.agent]), self._index)
 
     def choose_level(self, level: int | None) -> None:
         """Choose the level that its world begins next, within its split; None for the next one of its chain."""
-        self.worlds.choose_levels([CHAIN if level is None else level], [self.index])
+        self.worlds.choose_levels([CHAIN if level is None else level], [self._index])
 
     def action_masks(self) -> Flags:
         """Return which choices are worth trying, ``(n_choices,)``: what ``MaskablePPO`` of sb3-contrib asks for."""
-        return np.asarray(self.worlds.action_masks()[self.index, self.agent])
-
-    def describe(self) -> Description:
-        """Return what observations, actions, rewards, endings and infos mean; it prints as tables."""
-        return self.worlds.describe()
-
-    def mirror(self) -> Mirror:
-        """Return what exchanges left and right in observations and actions; an error says why it cannot be done."""
-        return self.worlds.mirror()
+        return np.asarray(self.worlds.action_masks()[self._index, self.agent])
 
     def info(self) -> dict[str, Any]:
         """Return what is known about the agent now."""
-        return self.worlds.info_of(self.index, self.agent)
+        return self.worlds.info_of(self._index, self.agent)
 
     def render(self) -> Any:
         """Return a fresh picture of the world; None without a render mode, or with a window."""
-        return self.worlds.pictures.of(self.index)
+        return self.worlds.pictures.of(self._index)
 
     def has_wrapper_attr(self, name: str) -> bool:
         """Say whether there is such an attribute."""
@@ -143,7 +119,7 @@ class WorldView:
         Raises:
             AttributeError: It is one for the whole batch.
         """
-        if hasattr(type(self), name) or name in ("worlds", "index", "agent"):
+        if hasattr(type(self), name) or name in ("worlds", "agent"):
             raise AttributeError(f"{name!r} is shared by all worlds of a batch and cannot be set for one")
         if not force and not hasattr(self, name):
             return False

@@ -146,7 +146,10 @@ class Robustness:
         return f"{markdown_table(title, notes, heads, lost)}\n{every}"
 
     def lost_text(self, factor: str, policy: str) -> str:
-        """Return ``lost_at`` for a table: ``0.24``, ``> 0.5`` beyond the strengths played, or ``-`` where it is NaN."""
+        """Return ``lost_at`` of ``factor`` and ``policy`` for a table.
+
+        It is ``0.24``, ``> 0.5`` beyond the strengths played, or ``-`` where it is NaN.
+        """
         found = self.lost_at(factor, policy)
         return f"> {self.curve(factor, policy)[-1].strength:g}" if math.isinf(found) else number(found, 2)
 

@@ -103,7 +103,7 @@ class ShelfPolicy:
         if not deterministic:
             raise ValueError("policies on the shelf do not draw their actions: pass deterministic=True")
         given = _parts(observation, self.observation_space)
-        batches = {name: _batch(given[name], space) for name, space in _spaces(self.observation_space).items()}
+        batches = {name: _batch(given[name], space) for name, space in spaces_of(self.observation_space).items()}
         rows = {name: rows for name, (rows, _) in batches.items()}
         parts = [apply_steps(steps, self.part_arrays[name], rows[name]) for name, steps in self.parts.items()]
         seen = np.concatenate(parts, axis=1)
@@ -222,7 +222,7 @@ def _check_action(policy: ShelfPolicy) -> None:
     Raises:
         Exception: An array is missing or of another shape; of any class, as NumPy raises it.
     """
-    zeros = {name: np.zeros(part.shape or (), part.dtype) for name, part in _spaces(policy.observation_space).items()}
+    zeros = {name: np.zeros(part.shape or (), part.dtype) for name, part in spaces_of(policy.observation_space).items()}
     policy.predict(zeros if isinstance(policy.observation_space, Dict) else zeros[LONE])
 
 
@@ -256,7 +256,8 @@ def _box(place: str, dtype: str, arrays: Mapping[str, NDArray[Any]]) -> Box:
     return Box(arrays[f"{place}/low"], arrays[f"{place}/high"], dtype=kind)
 
 
-def _spaces(space: Space[Any]) -> Mapping[str, Space[Any]]:
+def spaces_of(space: Space[Any]) -> Mapping[str, Any]:
+    """Return the spaces of the parts of an observation by name."""
     return space.spaces if isinstance(space, Dict) else {LONE: space}
 
 
@@ -270,7 +271,7 @@ def _parts(observation: Observation, space: Space[Any]) -> Mapping[str, NDArray[
         kind = "a dict" if isinstance(observation, Mapping) else "an array"
         raise ValueError(f"the policy was trained with observations of {_shapes(space)}, got {kind}")
     given = observation if isinstance(observation, Mapping) else {LONE: observation}
-    missing = [name for name in _spaces(space) if name not in given]
+    missing = [name for name in spaces_of(space) if name not in given]
     if missing:
         raise ValueError(f"the observation has no {', '.join(missing)}; the policy was trained with {_shapes(space)}")
     return given
@@ -278,7 +279,7 @@ def _parts(observation: Observation, space: Space[Any]) -> Mapping[str, NDArray[
 
 def _shapes(space: Space[Any]) -> str:
     """Return the shape of an observation, or those of the parts of a dict, as text."""
-    return ", ".join(f"{name} shape {part.shape}".lstrip() for name, part in _spaces(space).items())
+    return ", ".join(f"{name} shape {part.shape}".lstrip() for name, part in spaces_of(space).items())
 
 
 def _listed(shapes: Sequence[tuple[int, ...]]) -> str:

@@ -15,11 +15,10 @@ import yaml
 
 from irsim_gym.envs.gymnasium.worlds import TaskSource
 from irsim_gym.evaluation.protocol.tables import write_bytes, write_text
-from irsim_gym.scenario.entries.recorded_bodies import find_recording
 from irsim_gym.scenario.reading.load import load_scenario
 from irsim_gym.scenario.reading.map_cells import find_map
 from irsim_gym.scenario.reading.ros_map import SUFFIXES, read_ros_map
-from irsim_gym.scenario.specs.image_files import image_file
+from irsim_gym.scenario.specs.library import asset
 from irsim_gym.scenario.specs.spec import Scenario
 from irsim_gym.scenario.text.messages import show
 from irsim_gym.scenario.text.source import ROLES, WRAPPER, read_file
@@ -204,7 +203,7 @@ def _with_pictures(entry: object, file: str, pictures: dict[str, Path]) -> Any:
         return entry
 
     def added(name: object) -> Any:
-        return _add_file(image_file(name, file), pictures) if isinstance(name, str) else name
+        return _add_file(asset("images", name, file), pictures) if isinstance(name, str) else name
 
     given = entry["description"]
     return {**entry, "description": [added(one) for one in given] if isinstance(given, list) else added(given)}
@@ -215,7 +214,7 @@ def _with_recording(entry: object, file: str, pictures: dict[str, Path]) -> Any:
     behavior = entry.get("behavior") if isinstance(entry, Mapping) else None
     if not isinstance(entry, Mapping) or not isinstance(behavior, Mapping) or behavior.get("name") != "recorded":
         return entry
-    return {**entry, "behavior": {**behavior, "file": _add_file(find_recording(behavior["file"], file), pictures)}}
+    return {**entry, "behavior": {**behavior, "file": _add_file(asset("recordings", behavior["file"], file), pictures)}}
 
 
 def _add_file(file: Path, pictures: dict[str, Path]) -> str:

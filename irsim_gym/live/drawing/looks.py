@@ -22,43 +22,8 @@ STROKES = "+x|_"
 """Markers that consist of lines."""
 
 
-def _star(corners: int, inner: float = 1.0) -> Floats:
-    """Return a regular polygon with a corner at the top, or a star whose inner corners are so much nearer."""
-    count = corners if inner == 1.0 else 2 * corners
-    angles = 0.5 * math.pi + 2.0 * math.pi * np.arange(count) / count
-    radii = np.where(np.arange(count) % 2 == 1, inner, 1.0)
-    return np.asarray(0.5 * radii[:, None] * np.column_stack([np.cos(angles), np.sin(angles)]))
-
-
-def _forms() -> dict[str, tuple[Floats, ...]]:
-    side, half = np.array([[-0.5, 0.0], [0.5, 0.0]]), 0.5
-    square = np.array([[-half, -half], [half, -half], [half, half], [-half, half]])
-    up = np.array([[0.0, half], [-half, -half], [half, -half]])
-    diamond = np.array([[0.0, half], [-half, 0.0], [0.0, -half], [half, 0.0]]) * math.sqrt(2.0)
-    return {
-        "o": (),
-        ".": (),
-        ",": (),
-        "s": (square,),
-        "^": (up,),
-        "v": (-up,),
-        "<": (up[:, ::-1] * [-1.0, 1.0],),
-        ">": (up[:, ::-1],),
-        "D": (diamond,),
-        "d": (diamond * [0.6, 1.0],),
-        "p": (_star(5),),
-        "h": (_star(6),),
-        # The inner corners of a pentagram: 1 / phi^2 of the outer radius, with the golden ratio phi.
-        "*": (_star(5, 0.381966),),
-        "|": (side[:, ::-1],),
-        "_": (side,),
-        "+": (side, side[:, ::-1]),
-        "x": (np.array([[-half, -half], [half, half]]), np.array([[-half, half], [half, -half]])),
-    }
-
-
-FORMS = _forms()
-SHARES = {".": 0.5, ",": 0.15}
+FORMS = tuple("o.,s^v<>Ddph*|_+x")
+DISCS = {"o": 1.0, ".": 0.5, ",": 0.15}
 """Markers that are discs, with their diameter relative to the size."""
 
 

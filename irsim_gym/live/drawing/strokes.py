@@ -78,8 +78,11 @@ def forms(points: Floats, ink: StrokeInk, marker: str, size: float, width: float
     if not len(chosen):
         return []
     stroke = width if marker in looks.STROKES else 0.0
-    share = looks.SHARES.get(marker, 1.0)
-    return [PointsMark(chosen, ink.color, ink.alpha, share * size, looks.FORMS[marker], stroke, ink.layer)]
+    if marker in looks.DISCS:
+        return [PointsMark(chosen, ink.color, ink.alpha, looks.DISCS[marker] * size, (), stroke, ink.layer)]
+    from irsim_gym.rendering.looks.markers import marker_form
+
+    return [PointsMark(chosen, ink.color, ink.alpha, size, marker_form(marker), stroke, ink.layer)]
 
 
 def points(

@@ -15,7 +15,7 @@ from irsim_gym.live.pictures.reel import Reel
 from irsim_gym.live.session.session import Session
 from irsim_gym.scenario.reading.plot_overrides import drawn_with, saved_with
 from irsim_gym.simulator.engine import Simulation
-from irsim_gym.simulator.readings.marks import Overlay
+from irsim_gym.simulator.readings.marks import Mark
 from irsim_gym.simulator.readings.trails import Trails
 
 if TYPE_CHECKING:
@@ -43,7 +43,6 @@ class Camera:
         self._renderer: Renderer | None = None
         self._limits: Limits | None = None
         self._options: Mapping[str, object] = {}
-        self._painted_version = 0
         self._reel = Reel()
         self._is_kept = self._is_rendered = False
         self._kept_status = ""
@@ -65,7 +64,7 @@ class Camera:
         """
         picture, drawing = self.frame(status), self._drawing
         if self._is_kept and (drawing.is_changed or drawing.has_old):
-            self._reel.keep_again(picture, self._scene(status))
+            self._reel.keep_again(picture, self._ready().scene(0, status))
             drawing.keep()
         drawing.shown()
         self._is_rendered = True
@@ -116,24 +115,9 @@ class Camera:
 
     def _keep(self, keep: Callable[[Bytes, Scene], None], status: str) -> None:
         """Pass the present moment to ``keep``, without marks that only wait to be rendered."""
-        renderer, overlay = self._ready(), self._drawing.keep()
-        renderer.lay_over(overlay)
-        keep(renderer.frame(0, status), self._scene(status, overlay))
-
-    def _scene(self, status: str, overlay: Overlay | None = None) -> Scene:
-        """Return the present moment as data, each scan in one piece; by default with all that was drawn over it."""
-        ready = self._ready()
-        if overlay is not None:
-            ready.lay_over(overlay)
-        if not self._session.painted.version:
-            return ready.scene(0, status)
-        from irsim_gym.rendering import Renderer
-
-        seen = self._simulation
-        parts = self._scenario(), seen.model, seen.state, seen.sensors
-        whole = Renderer(*parts, trails=ready.trails, explored=seen.explored, marks=seen.marks)
-        whole.lay_over(self._drawing.overlay() if overlay is None else overlay)
-        return whole.scene(0, status)
+        renderer = self._ready()
+        renderer.lay_over(self._drawing.keep())
+        keep(renderer.frame(0, status), renderer.scene(0, status))
 
     def clear(self) -> None:
         """Start another episode, with empty paths and trails."""
@@ -158,7 +142,10 @@ class Camera:
         scenario = saved_with(self._scenario(), options) if options else self._scenario()
         saved = scenario.world.plot.saved_figure
         target = with_suffix(path, FIGURES, saved.format)
-        renderer = self._renderer_with(scenario) if options else self._ready()
+        renderer = self._ready()
+        if options:
+            renderer = self._renderer_of(scenario, renderer.trails)
+            renderer.lay_over(self._drawing.overlay())
         renderer.save(target, 0, status, dots_per_inch=saved.dpi)
         return target
 
@@ -174,18 +161,11 @@ class Camera:
         return self._ready().layout
 
     def _ready(self) -> Renderer:
-        if self._painted_version != self._session.painted.version or self._drawn is not self._simulation:
-            self._painted_version, self._drawn = self._session.painted.version, self._simulation
+        if self._drawn is not self._simulation:
+            self._drawn = self._simulation
             self.close()
-        self._session.painted.follow()
         if self._renderer is None:
-            from irsim_gym.rendering import Renderer
-
-            seen = self._simulation
-            parts = self._scenario(), seen.model, seen.state, self._session.painted.groups(seen)
-            self._renderer = Renderer(*parts, explored=seen.explored, marks=seen.marks)
-            if self._limits is not None:
-                self._renderer.look_at(self._limits)
+            self._renderer = self._renderer_of(self._scenario())
         self._tell(self._renderer.trails)
         self._renderer.lay_over(self._drawing.overlay())
         return self._renderer
@@ -195,17 +175,20 @@ class Camera:
         scenario = self._simulation.scenario
         return drawn_with(scenario, self._options) if self._options else scenario
 
-    def _renderer_with(self, scenario: Scenario) -> Renderer:
-        """Return a renderer of the present moment with other plot options."""
+    def _renderer_of(self, scenario: Scenario, trails: Trails | None = None) -> Renderer:
+        """Return a renderer of the present moment."""
         from irsim_gym.rendering import Renderer
 
-        ready, seen = self._ready(), self._simulation
-        parts = scenario, seen.model, seen.state, self._session.painted.groups(seen)
-        made = Renderer(*parts, trails=ready.trails, explored=seen.explored, marks=seen.marks)
-        made.lay_over(self._drawing.overlay())
+        seen = self._simulation
+        parts = scenario, seen.model, seen.state, seen.sensors
+        made = Renderer(*parts, trails=trails, explored=seen.explored, marks=self._marks)
         if self._limits is not None:
             made.look_at(self._limits)
         return made
+
+    def _marks(self, world: int) -> tuple[Mark, ...]:
+        """Return the marks of the simulation, and the beams that have a colour of their own."""
+        return (*self._simulation.marks(world), *self._session.painted.marks(self._simulation))
 
     def _tell(self, trails: Trails) -> None:
         """Pass what the track noted since the last picture to the renderer."""

@@ -9,6 +9,7 @@ from irsim_gym.live.planning.grid_map import COARSER, FINER, GridMap, coarser, n
 from irsim_gym.live.population.population import Population
 from irsim_gym.live.session.moves import robots
 from irsim_gym.live.session.session import Session
+from irsim_gym.live.session.vectors import row_of
 from irsim_gym.simulator.cell_paths.queries import FINE, fixed_bodies, free_path, touched_cells
 
 DEFAULT_CELL = 0.1
@@ -108,10 +109,7 @@ def point(values: ArrayLike, name: str) -> tuple[float, float]:
     Raises:
         ValueError: It is none.
     """
-    try:
-        numbers = np.asarray(values, np.float64).reshape(-1)[:2]
-    except (TypeError, ValueError):
-        numbers = np.zeros(0)
+    numbers = row_of(values)[:2]
     if len(numbers) < 2 or not np.isfinite(numbers).all():
         raise ValueError(f"{name} must be x and y [m], got {values!r}")
     return float(numbers[0]), float(numbers[1])

@@ -15,7 +15,7 @@ from irsim_gym.live.session import hints
 from irsim_gym.live.session.goal_writer import read_goals
 from irsim_gym.live.session.painted import HIGHLIGHT
 from irsim_gym.live.session.session import Session
-from irsim_gym.live.session.vectors import Vector, vector
+from irsim_gym.live.session.vectors import Vector, row_of, vector
 from irsim_gym.scenario.specs.spec import BodySpec
 from irsim_gym.simulator.engine import Simulation
 from irsim_gym.simulator.levels.body_measures import measured
@@ -335,19 +335,19 @@ class Body(IrSimReadings):
         self._session.goals.write(self._simulation, self._b, np.array(drawn), init=init)
 
     def set_laser_color(self, laser_indices: Iterable[int], laser_color: str | None = None, alpha: float = 0.3) -> None:
-        """Draw some beams of its first range sensor in another colour, and all others in the sensor's own.
+        """Draw some beams of its first range sensor in another colour over their own, until the next call.
 
         Args:
             laser_indices: Numbers of these beams; numbers without a beam are ignored.
             laser_color: Colour of these beams (default: orange).
-            alpha: Opacity of these beams; 0 hides them.
+            alpha: Opacity of this colour.
 
         Raises:
             UnknownNameError: The body has no range sensor.
             ValueError: The colour is unknown, or the opacity is not between 0 and 1.
         """
-        count = len(self.scan()["ranges"])
-        self._session.painted.paint(self._name, count, laser_indices, laser_color or HIGHLIGHT, alpha)
+        self._range_sensor(0)
+        self._session.painted.paint(self._name, laser_indices, laser_color or HIGHLIGHT, alpha)
 
     def append_goal(self, goal: ArrayLike) -> None:
         """Append goals to the remaining ones."""
@@ -356,10 +356,7 @@ class Body(IrSimReadings):
 
 def _numbers(values: Sequence[float] | Floats, least: int, names: Sequence[str], what: str) -> Floats:
     """Return four numbers, 0 for those that are not given."""
-    try:
-        given = np.asarray(values, np.float64).reshape(-1)
-    except (TypeError, ValueError):
-        given = np.zeros(0)
+    given = row_of(values)
     if not least <= given.size <= len(names) or not np.isfinite(given).all():
         count = f"{least}" if least == len(names) else f"{least} to {len(names)}"
         raise ValueError(f"{what} has {count} finite numbers ({', '.join(names)}), got {values!r}")

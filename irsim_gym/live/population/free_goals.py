@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from irsim_gym.base.arraytypes import Floats
+from irsim_gym.live.session.vectors import row_of
 from irsim_gym.simulator.engine import Simulation
 from irsim_gym.simulator.readings.irsim_readings import IrSimReadings
 
@@ -43,10 +44,7 @@ def draw(
 
 
 def _bound(values: Sequence[float], heading: float) -> Floats:
-    try:
-        row = np.asarray(values, np.float64).reshape(-1)
-    except (TypeError, ValueError):
-        row = np.zeros(0)
+    row = row_of(values)
     if row.size not in (2, 3) or not np.isfinite(row).all():
         raise ValueError(f"range_limits are the least and the greatest [x, y, heading], got {values!r}")
     return np.append(row, heading)[:3] if row.size == 2 else row

@@ -3,6 +3,7 @@
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from irsim_gym.base.arraytypes import Floats
 from irsim_gym.simulator.world.arrays import frozen
@@ -64,6 +65,14 @@ def _refuse_columns(inputs: tuple[Any, ...]) -> None:
                 f"a flat array of shape ({flat},) and a column of shape {shape} would give a matrix of shape "
                 f"({shape[0]}, {flat}): {COLUMNS_HINT}; if the matrix is meant, take np.asarray(...) of the flat one"
             )
+
+
+def row_of(values: ArrayLike) -> Floats:
+    """Return numbers as a flat row; an empty one if they are none."""
+    try:
+        return np.asarray(values, np.float64).reshape(-1)
+    except (TypeError, ValueError):
+        return np.zeros(0)
 
 
 def vector(values: Floats, columns: bool) -> Floats:

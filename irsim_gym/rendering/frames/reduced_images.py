@@ -10,7 +10,7 @@ from PIL import Image
 from irsim_gym.base.arraytypes import Bytes, Ints
 from irsim_gym.rendering.looks.images import load_image
 from irsim_gym.rendering.scene.shapes import box
-from irsim_gym.scenario.specs.image_files import image_file
+from irsim_gym.scenario.specs.library import asset
 from irsim_gym.simulator.world.outline import Outline
 
 if TYPE_CHECKING:
@@ -38,7 +38,7 @@ class Images:
             size = None if spec.description is None else _size(spec.shape.outline(), scale)
             if spec.description is None or size is None:
                 continue
-            pixels = load_image(image_file(spec.description, scenario.file))
+            pixels = load_image(asset("images", spec.description, scenario.file))
             size = min(size[0], pixels.shape[1]), min(size[1], pixels.shape[0])
             key = (spec.description, *size, float(spec.plot.obj_alpha))
             if key not in made:

@@ -15,7 +15,7 @@ from irsim_gym.rendering.raster import records
 from irsim_gym.rendering.raster.play import LABEL_GAP
 from irsim_gym.rendering.scene.scene import DrawnBody, Form, GoalView, ImageView, LabelView
 from irsim_gym.rendering.scene.shapes import NOTHING, box, chains, heading_mark, placed, replaced
-from irsim_gym.scenario.specs.image_files import image_file
+from irsim_gym.scenario.specs.library import asset
 from irsim_gym.simulator.world.model import ACKERMANN, Model
 from irsim_gym.simulator.world.state import State
 
@@ -38,7 +38,7 @@ class BodyReader:
         self._names = [body.name for body in scenario.bodies]
         self._turning = [is_omni(body) for body in scenario.bodies]
         self._pixels = {
-            b: load_image(image_file(body.description, scenario.file))
+            b: load_image(asset("images", body.description, scenario.file))
             for b, body in enumerate(scenario.bodies)
             if body.description is not None
         }

@@ -2,7 +2,6 @@
 
 import math
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
@@ -43,10 +42,10 @@ def _with_recording(
 ) -> BodySpec | None:
     """Return a body with its file, person and start; None after reporting problems."""
     options = body.behavior
-    file = find_recording(options.file, report.source.file)
+    file, shipped = library.asset("recordings", options.file, report.source.file), library.assets("recordings")
     if not file.is_file():
-        near = suggestion(options.file[:40], library.recordings())
-        offer = near or f"; shipped: {', '.join(library.recordings())}; or name a file beside the scenario"
+        near = suggestion(options.file[:40], shipped)
+        offer = near or f"; shipped: {', '.join(shipped)}; or name a file beside the scenario"
         report.add((*place, "file"), f"no recording {show(options.file)}{offer}")
         return None
     try:
@@ -85,10 +84,3 @@ def _with_start(
     seen = points[np.isfinite(points[:, 0])]
     x, y = (float(seen[0, 0]), float(seen[0, 1])) if len(seen) else (0.0, 0.0)
     return replace(body, state=(x, y, 0.0))
-
-
-def find_recording(name: str, scenario_file: str) -> Path:
-    """Return the file of a recording: beside the scenario, else a shipped one. It need not exist."""
-    file = Path(scenario_file).parent / name
-    shipped = library.recordings()
-    return shipped[name] if name in shipped and not file.is_file() else file

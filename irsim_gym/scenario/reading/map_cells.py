@@ -96,7 +96,7 @@ def find_map(name: str, folders: tuple[Path, ...]) -> Path:
     for file in (given, *(folder / given for folder in folders)):
         if _is_file(file):
             return file
-    shipped = library.maps()
+    shipped = library.assets("maps")
     if name in shipped:
         return shipped[name]
     by_stem = {file.stem: file for file in shipped.values()}

@@ -11,13 +11,6 @@ DEFAULT_CAR = "car_green.png"
 SUFFIXES = (".png", ".jpg", ".jpeg", ".bmp", ".gif", ".tif", ".tiff", ".webp")
 
 
-def image_file(name: str, scenario_file: str) -> Path:
-    """Return the file of a ``description``: beside the scenario, else a shipped one. It need not exist."""
-    file = Path(scenario_file).parent / name
-    shipped = library.images()
-    return shipped[name] if name in shipped and not file.is_file() else file
-
-
 def image_problem(name: str, scenario_file: str) -> str:
     """Return what is wrong with a ``description``; empty for a shipped image or a readable image file.
 
@@ -25,8 +18,7 @@ def image_problem(name: str, scenario_file: str) -> str:
         name: Name of a shipped image, or a path: absolute, or relative to the scenario file.
         scenario_file: Path of the scenario file; empty for a mapping, whose paths start at the working directory.
     """
-    shipped = library.images()
-    file = image_file(name, scenario_file)
+    shipped, file = library.assets("images"), library.asset("images", name, scenario_file)
     try:
         is_there = file.is_file()
     except (OSError, ValueError):  # too long a name, or one with a null character

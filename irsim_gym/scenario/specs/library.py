@@ -31,21 +31,16 @@ def names(section: str = "scenarios") -> dict[str, Path]:
 
 
 @functools.cache
-def maps() -> Mapping[str, Path]:
-    """Return the shipped obstacle maps by file name, in alphabetical order."""
-    return MappingProxyType({file.name: file for file in sorted((configs_folder() / "maps").glob("*.png"))})
+def assets(folder: str) -> Mapping[str, Path]:
+    """Return the shipped files in ``maps``, ``images`` or ``recordings`` by file name, in alphabetical order."""
+    files = sorted((configs_folder() / folder).iterdir())
+    return MappingProxyType({file.name: file for file in files if file.suffix in (".png", ".txt")})
 
 
-@functools.cache
-def recordings() -> Mapping[str, Path]:
-    """Return the shipped recordings of pedestrians by file name."""
-    return MappingProxyType({file.name: file for file in sorted((configs_folder() / "recordings").glob("*.txt"))})
-
-
-@functools.cache
-def images() -> Mapping[str, Path]:
-    """Return the shipped images of bodies by file name, in alphabetical order."""
-    return MappingProxyType({file.name: file for file in sorted((configs_folder() / "images").glob("*.png"))})
+def asset(folder: str, name: str, scenario_file: str) -> Path:
+    """Return a file that a scenario names: beside the scenario, else a shipped one. It need not exist."""
+    file, shipped = Path(scenario_file).parent / name, assets(folder)
+    return shipped[name] if name in shipped and not file.is_file() else file
 
 
 def write_template(file: Path) -> None:

@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
-from gymnasium.spaces import Box, Dict, Discrete
+from gymnasium.spaces import Box, Discrete
 from numpy.typing import NDArray
 from stable_baselines3.common.base_class import BaseAlgorithm
 from stable_baselines3.common.preprocessing import is_image_space
@@ -16,7 +16,7 @@ from torch import nn
 from irsim_gym.base.errors import IrsimGymError
 from irsim_gym.envs.sb3_learning.memory import GruPolicy
 from irsim_gym.evaluation.saved_policies.array_network import Options
-from irsim_gym.evaluation.saved_policies.shelf import LONE
+from irsim_gym.evaluation.saved_policies.shelf import LONE, spaces_of
 
 Step = tuple[Options, dict[str, NDArray[Any]]]
 
@@ -78,7 +78,7 @@ def export_network(model: BaseAlgorithm, normalization: VecNormalize | None) -> 
     action = model.action_space
     writer = _Writer({"observation": {}, "parts": {}, "output": output})
     for name, steps in parts.items():
-        space = _spaces(model)[name]
+        space = spaces_of(model.observation_space)[name]
         writer.form["observation"][name] = writer.box(f"observation/{name}", space)
         writer.form["parts"][name] = writer.steps(f"part/{name}", steps)
     if isinstance(model.policy, GruPolicy):
@@ -116,11 +116,6 @@ def _actor(model: BaseAlgorithm) -> tuple[nn.Module, list[Step], str]:
     return policy.pi_features_extractor, layers, "argmax" if isinstance(model.action_space, Discrete) else "clip"
 
 
-def _spaces(model: BaseAlgorithm) -> Mapping[str, Any]:
-    space = model.observation_space
-    return space.spaces if isinstance(space, Dict) else {LONE: space}
-
-
 def _parts(
     model: BaseAlgorithm, extractor: nn.Module, normalization: VecNormalize | None
 ) -> Iterator[tuple[str, list[Step]]]:
@@ -130,7 +125,7 @@ def _parts(
     else:
         each = {LONE: extractor}
     for name, module in each.items():
-        space = _spaces(model)[name]
+        space = spaces_of(model.observation_space)[name]
         if not isinstance(space, Box):
             raise UnfitNetworkError(f"observations {space} cannot be exported")
         steps = _normalized(name, space, normalization)

@@ -156,7 +156,7 @@ def test_shipped_maps_are_drawn_by_their_script() -> None:
     script = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(script)
     drawn = script.draw()
-    assert set(drawn) == set(library.maps())
+    assert set(drawn) == set(library.assets("maps"))
     for name, free in drawn.items():
         with Image.open(folder / name) as picture:
             assert np.array_equal(np.array(picture) > 127, free)
