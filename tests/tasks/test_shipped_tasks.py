@@ -10,6 +10,7 @@ from irsim_gym.base.families import OBSERVATIONS, REWARDS
 from irsim_gym.evaluation.policies.perception import perception_differences, perception_of
 from irsim_gym.scenario import load_scenario
 from irsim_gym.tasks import Task, load_task
+from irsim_gym.tasks.observations.own.pending import Pending
 from irsim_gym.tasks.observations.seen_map.way_on_seen_map import WayOnSeenMap
 
 SINGLE = {"cluttered_room": {}, "rooms": {}, "maze": {}, "cellular_cave": {}, "jaxnav_single": {},
@@ -80,3 +81,21 @@ def test_the_way_of_wide_way_navigation_keeps_its_distance() -> None:
     assert (own.cell, own.clearance) == (0.08, 0.04)
     assert [type(one) for one in wide.observations] == [type(one) for one in seen.observations]
     assert (wide.rewards, wide.endings, wide.deadlock_time) == (seen.rewards, seen.endings, seen.deadlock_time)
+
+
+@pytest.mark.parametrize(
+    ("scenario", "name", "robot"),
+    [
+        ("dense_room", "wide_way_navigation", "robot_wide_way_navigation"),
+        ("maze", "seen_navigation", "robot_seen_navigation"),
+    ],
+)
+def test_tasks_of_late_robots_predict_and_add_the_commands_under_way(scenario: str, name: str, robot: str) -> None:
+    original, late = task(scenario, name), task(scenario, robot)
+    assert (original.predict, late.predict) == (False, True)
+    *same, added = late.observations
+    assert tuple(same) == original.observations
+    assert isinstance(added, Pending)
+    assert (added.steps, late.endings, late.max_steps) == (7, original.endings, original.max_steps)
+    assert weights(late).keys() == weights(original).keys()
+    assert weights(late)["time"] >= weights(original)["time"]

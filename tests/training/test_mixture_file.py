@@ -10,6 +10,8 @@ from command_line import run as command
 
 from irsim_gym.errors import IrsimGymError, ScenarioError
 from irsim_gym.evaluation.suite.members import shipped_suite
+from irsim_gym.scenario import load_scenario
+from irsim_gym.tasks import load_task
 from irsim_gym.training.requests.training_request import TrainingRequest
 from irsim_gym.training.settings.mixture import MixturePart, mixture_file, read_mixture, requested_mixture
 
@@ -103,6 +105,15 @@ def test_the_mixture_general_is_all_of_core_with_one_robot() -> None:
     assert {(one.scenario, *sorted(one.parameters.items())) for one in found.parts} == core
     settings = TrainingRequest("general").with_mixture(found).settings()
     assert len(settings.mixture) == 6
+
+
+def test_the_mixture_maze_robot_draws_disturbances_with_and_without_loops() -> None:
+    found = read_mixture(mixture_file("maze_robot"))  # type: ignore[arg-type]
+    assert [(one.scenario, one.parameters.get("loops")) for one in found.parts] == [("maze", None), ("maze", 0.0)]
+    for one in found.parts:
+        scenario = load_scenario(one.scenario, one.parameters)
+        assert len(scenario.disturbances) == 6
+        assert load_task(scenario, found.task).predict is True
 
 
 def test_the_mixtures_of_many_robots_have_the_same_scenarios_but_other_shares() -> None:
