@@ -12,7 +12,6 @@ import typer
 
 from irsim_gym.base.errors import IrsimGymError
 from irsim_gym.base.extras import require
-from irsim_gym.cli import completion as cli_completion
 from irsim_gym.cli import options as opt
 from irsim_gym.cli.arena import arena, robustness
 from irsim_gym.cli.levels import levels
@@ -41,7 +40,7 @@ def list_shipped() -> None:
 
 @app.command()
 def check(
-    files: Annotated[list[str], typer.Argument(help=opt.HELP["check files"], autocompletion=cli_completion.scenarios)],
+    files: Annotated[list[str], typer.Argument(help=opt.HELP["check files"])],
     team: Annotated[bool, typer.Option("--team", help=opt.HELP["check team"])] = False,
     task: opt.Task = None,
     settings: opt.Given = None,
@@ -90,9 +89,7 @@ app.command()(fit)
 @app.command()
 def evaluate(
     scenario: opt.Scenario,
-    policies: Annotated[
-        list[str] | None, typer.Argument(help=opt.HELP["evaluate policies"], autocompletion=cli_completion.policies)
-    ] = None,
+    policies: Annotated[list[str] | None, typer.Argument(help=opt.HELP["evaluate policies"])] = None,
     levels: opt.Levels = 1000,
     split: opt.Split = "test",
     task: opt.Task = None,
@@ -121,9 +118,7 @@ app.command()(robustness)
 @app.command()
 def record(
     scenario: opt.Scenario,
-    policies: Annotated[
-        list[str], typer.Argument(help=opt.HELP["record policies"], autocompletion=cli_completion.policies)
-    ],
+    policies: Annotated[list[str], typer.Argument(help=opt.HELP["record policies"])],
     level: Annotated[list[int] | None, typer.Option(min=0, max=opt.LAST_LEVEL, help=opt.HELP["record level"])] = None,
     split: opt.Split = "test",
     task: opt.Task = None,

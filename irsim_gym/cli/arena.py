@@ -7,15 +7,12 @@ import typer
 
 from irsim_gym.base.errors import IrsimGymError
 from irsim_gym.cli import options as opt
-from irsim_gym.cli.completion import policies as policies_that_begin
 from irsim_gym.cli.tools import scenario_request
 
 
 def arena(
     scenario: opt.Scenario,
-    policies: Annotated[
-        list[str] | None, typer.Argument(help=opt.HELP["arena policies"], autocompletion=policies_that_begin)
-    ] = None,
+    policies: Annotated[list[str] | None, typer.Argument(help=opt.HELP["arena policies"])] = None,
     levels: opt.Levels = 1000,
     split: opt.Split = "test",
     task: opt.Task = None,
@@ -45,9 +42,7 @@ def arena(
 
 def robustness(
     scenario: opt.Scenario,
-    policies: Annotated[
-        list[str], typer.Argument(help=opt.HELP["robustness policies"], autocompletion=policies_that_begin)
-    ],
+    policies: Annotated[list[str], typer.Argument(help=opt.HELP["robustness policies"])],
     factors: Annotated[str | None, typer.Option(metavar="FACTOR[,...]", help=opt.HELP["robustness factors"])] = None,
     levels: opt.Levels = 500,
     split: opt.Split = "test",

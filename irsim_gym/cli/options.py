@@ -7,7 +7,6 @@ import typer
 
 from irsim_gym.base.imports import import_modules
 from irsim_gym.base.outside_files import json_object
-from irsim_gym.cli import completion as cli_completion
 from irsim_gym.cli.tools import read_count
 
 HELP = json_object(Path(__file__).with_name("help.json"))
@@ -16,14 +15,12 @@ LAST_SEED = 2**32 - 1  # largest seed of NumPy's legacy generator, which Stable-
 LAST_LEVEL = 2**53 - 1  # largest level of an environment
 MOST_LEVELS = 10**9
 
-Scenario = Annotated[str, typer.Argument(help=HELP["Scenario"], autocompletion=cli_completion.scenarios)]
-Scenarios = Annotated[
-    list[str], typer.Argument(metavar="SCENARIO", help=HELP["Scenarios"], autocompletion=cli_completion.scenarios)
-]
+Scenario = Annotated[str, typer.Argument(help=HELP["Scenario"])]
+Scenarios = Annotated[list[str], typer.Argument(metavar="SCENARIO", help=HELP["Scenarios"])]
 Mixture = Annotated[bool, typer.Option("--mixture", help=HELP["Mixture"])]
-Task = Annotated[str | None, typer.Option(help=HELP["Task"], autocompletion=cli_completion.tasks)]
+Task = Annotated[str | None, typer.Option(help=HELP["Task"])]
 Levels = Annotated[int, typer.Option(min=1, max=MOST_LEVELS, help=HELP["Levels"])]
-Split = Annotated[str, typer.Option(help=HELP["Split"], autocompletion=cli_completion.splits)]
+Split = Annotated[str, typer.Option(help=HELP["Split"])]
 Steps = Annotated[int | None, typer.Option(parser=read_count, metavar="STEPS", help=HELP["Steps"])]
 MoreSteps = Annotated[int | None, typer.Option(parser=read_count, metavar="STEPS", help=HELP["MoreSteps"])]
 Until = Annotated[float | None, typer.Option(max=100.0, help=HELP["Until"])]
@@ -31,7 +28,7 @@ Changes = Annotated[list[str] | None, typer.Option("--hp", metavar="KEY=VALUE", 
 Seed = Annotated[int, typer.Option(min=0, max=LAST_SEED, help=HELP["Seed"])]
 Seeds = Annotated[int | None, typer.Option(min=1, help=HELP["Seeds"])]
 TestLevels = Annotated[int, typer.Option(min=1, help=HELP["TestLevels"])]
-Watched = Annotated[str | None, typer.Argument(help=HELP["Watched"], autocompletion=cli_completion.policies)]
+Watched = Annotated[str | None, typer.Argument(help=HELP["Watched"])]
 Given = Annotated[list[str] | None, typer.Option("--set", metavar="NAME=VALUE", help=HELP["Given"])]
 Perturbed = Annotated[list[str] | None, typer.Option("--perturb", metavar="NAME:KEY=VALUE", help=HELP["Perturbed"])]
 Shield = Annotated[str | None, typer.Option("--shield", metavar="NAME:KEY=VALUE", help=HELP["Shield"])]
@@ -47,17 +44,13 @@ def _lower(name: str | None) -> str | None:
     return None if name is None else name.lower()
 
 
-Algorithm = Annotated[
-    str | None, typer.Option(callback=_lower, help=HELP["Algorithm"], autocompletion=cli_completion.algorithms)
-]
+Algorithm = Annotated[str | None, typer.Option(callback=_lower, help=HELP["Algorithm"])]
 RunFolder = Annotated[Path | None, typer.Option(help=HELP["RunFolder"])]
 Hyperparameters = Annotated[Path | None, typer.Option(help=HELP["Hyperparameters"])]
 Resume = Annotated[bool, typer.Option("--resume", help=HELP["Resume"])]
 ReplaceFile = Annotated[bool, typer.Option("--overwrite", help=HELP["ReplaceFile"])]
 BeginAnew = Annotated[bool, typer.Option("--overwrite", help=HELP["BeginAnew"])]
-Origin = Annotated[
-    str | None, typer.Option("--from", metavar="RUN", help=HELP["Origin"], autocompletion=cli_completion.policies)
-]
+Origin = Annotated[str | None, typer.Option("--from", metavar="RUN", help=HELP["Origin"])]
 Device = Annotated[str | None, typer.Option(help=HELP["Device"])]
 DevLevels = Annotated[int, typer.Option(min=0, help=HELP["DevLevels"])]
 TeamMode = Annotated[str | None, typer.Option(help=HELP["TeamMode"])]

@@ -6,7 +6,6 @@ from typing import Annotated, Any
 import typer
 
 from irsim_gym.base.extras import require
-from irsim_gym.cli import completion as cli_completion
 from irsim_gym.cli import options as opt
 from irsim_gym.cli.tools import read_parameters, read_topics, scenario_request
 
@@ -21,13 +20,11 @@ Zeros = Annotated[bool, typer.Option("--zeros", help=opt.HELP["Zeros"])]
 
 
 def export(
-    policy: Annotated[str, typer.Argument(help=opt.HELP["export policy"], autocompletion=cli_completion.policies)],
+    policy: Annotated[str, typer.Argument(help=opt.HELP["export policy"])],
     out: Annotated[Path, typer.Option(help=opt.HELP["export out"])],
     predict: Annotated[float, typer.Option(min=0.0, max=2.0, help=opt.HELP["export predict"])] = 0.0,
     period: Annotated[float | None, typer.Option(min=0.001, max=10.0, help=opt.HELP["export period"])] = None,
-    scenario: Annotated[
-        str | None, typer.Option(help=opt.HELP["export scenario"], autocompletion=cli_completion.scenarios)
-    ] = None,
+    scenario: Annotated[str | None, typer.Option(help=opt.HELP["export scenario"])] = None,
     node: Annotated[str | None, typer.Option(help=opt.HELP["export node"])] = None,
     bodies: Annotated[str | None, typer.Option(help=opt.HELP["export bodies"])] = None,
     shield: opt.Shield = None,
@@ -97,7 +94,7 @@ def fit(
 @bag.command("write")
 def write_bag(
     scenario: opt.Scenario,
-    policy: Annotated[str, typer.Argument(help=opt.HELP["write_bag policy"], autocompletion=cli_completion.policies)],
+    policy: Annotated[str, typer.Argument(help=opt.HELP["write_bag policy"])],
     out: Annotated[Path, typer.Argument(metavar="OUT", help=opt.HELP["write_bag out"])],
     level: Annotated[
         int, typer.Option("--level", "--seed", min=0, max=opt.LAST_LEVEL, help=opt.HELP["write_bag level"])

@@ -7,13 +7,12 @@ from typing import Annotated, Any
 import typer
 
 from irsim_gym.base.errors import IrsimGymError, report_together
-from irsim_gym.cli.completion import scenarios
 from irsim_gym.cli.options import HELP, Given, Imports, Lenient, ReplaceFile
 from irsim_gym.cli.tools import read_parameters
 
 
 def run_by_itself(
-    scenario: Annotated[str, typer.Argument(help=HELP["run_by_itself scenario"], autocompletion=scenarios)],
+    scenario: Annotated[str, typer.Argument(help=HELP["run_by_itself scenario"])],
     steps: Annotated[int, typer.Option(min=1, help=HELP["run_by_itself steps"])] = 500,
     seed: Annotated[int, typer.Option(min=0, help=HELP["run_by_itself seed"])] = 0,
     out: Annotated[Path | None, typer.Option("--out", "--film", help=HELP["run_by_itself out"])] = None,

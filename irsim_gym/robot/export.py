@@ -65,10 +65,8 @@ ANY = {"bodies": ("n_bodies", 5)}
 """Shapes of inputs of any length, without the axis of the batch."""
 SCRIPTS = {"drive.py": "", "scans.py": "", "parts/perceive.py": "seen_map", "parts/shield.py": "shield"}
 """Scripts that are copied beside the graph, and the field of a contract that asks for each."""
-FILES = (
-    *("policy.onnx", "contract.json", "contract.schema.json", "check.npz", "README.md"),
-    *(Path(place).name for place in SCRIPTS),
-)
+EXPORTED = ("policy.onnx", "contract.json", "contract.schema.json", "check.npz", "README.md")
+FILES = (*EXPORTED, *(Path(place).name for place in SCRIPTS))
 
 
 @dataclass(frozen=True)

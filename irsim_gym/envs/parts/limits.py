@@ -17,7 +17,6 @@ from irsim_gym.base.errors import IrsimGymError
 from irsim_gym.envs.parts.by_hand import Environment
 
 OF_BATCHES = {"num_envs", "num_threads", "autoreset_mode", "vectorization_mode"}
-MAKERS = ("make", "make_vec")
 STEP_FOR_STEP = {
     kind.step
     for kind in (
@@ -43,7 +42,7 @@ class ScenarioSpec(EnvSpec):
     def max_episode_steps(self) -> int | None:
         """Steps after which an episode is truncated."""
         reader = sys._getframe(1)
-        if reader.f_globals.get("__name__") == registration.__name__ and reader.f_code.co_name in MAKERS:
+        if reader.f_globals.get("__name__") == registration.__name__ and reader.f_code.co_name in ("make", "make_vec"):
             return self._set
         outer = self.kwargs.get("max_episode_steps", self._set)
         limit, max_steps = self.kept or (None, self.kwargs.get("max_steps"))

@@ -35,11 +35,8 @@ def show_levels(request: ScenarioRequest, split: str, count: int, number: int, o
     simulation = request.simulation(min(WORLDS, count))
     _, n_levels = simulation.level_base(split)
     certificate = _certificate(simulation, split, min(count, n_levels) if n_levels else count)
-    chosen = (
-        _by_difficulty(certificate, count, number)
-        if certificate is not None
-        else np.arange(min(number, n_levels or number))
-    )
+    first = np.arange(min(number, n_levels or number))
+    chosen = first if certificate is None else _by_difficulty(certificate, count, number)
     check_count(simulation, split, int(chosen.max()) + 1)
     path = out or Path(f"{simulation.scenario.name}-levels.png")
     _draw(simulation, split, chosen, certificate, path)

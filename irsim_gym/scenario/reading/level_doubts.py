@@ -40,8 +40,8 @@ def level_doubts(scenario: Scenario) -> Iterator[tuple[str, str]]:
 
 
 def _outside(place: Floats, world: WorldSpec) -> Flags:
-    low, size = np.array(world.offset), np.array((world.width, world.height))
-    return np.asarray(((place < low) | (place > low + size)).any(axis=1))
+    end = np.add(world.offset, (world.width, world.height))
+    return np.asarray(((place < world.offset) | (place > end)).any(axis=1))
 
 
 def _at_goal(levels: LevelSet, k: int, body: BodySpec) -> Flags:
