@@ -129,7 +129,7 @@ def test_scenarios_load_and_run(block: Block, folder: Path) -> None:
 
 
 @pytest.mark.parametrize("command", list(dict.fromkeys(line for page in PAGES for line in commands(page))))
-@pytest.mark.usefixtures("at_home", "played_here")
+@pytest.mark.usefixtures("at_home")
 def test_commands_exist(command: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
     """Short commands are run; of the long ones it is checked that they exist and take these options."""
     words = shlex.split(command)

@@ -101,7 +101,7 @@ def test_what_ids_and_paths_stand_for(folder: Path) -> None:
         irsim_gym.load_scenario("lab/mime-v0")
 
 
-@pytest.mark.usefixtures("folder", "played_here")
+@pytest.mark.usefixtures("folder")
 def test_commands_take_ids(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
     names = ("irsim_gym/empty_goal-v0", "irsim_gym:irsim_gym/empty_goal-v0", "irsim_gym/mine.yaml")
     assert run(monkeypatch, "check", *names) == 0
