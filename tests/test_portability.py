@@ -17,7 +17,6 @@ import pytest
 
 from irsim_gym.base.compiled import folder, trust
 from irsim_gym.base.compiled import lock as posix_lock
-from irsim_gym.cli.work import trial
 from irsim_gym.errors import IrsimGymError
 
 ROOT = Path(__file__).parents[1]
@@ -90,12 +89,6 @@ def test_code_on_disk_is_kept_where_files_have_no_owners(monkeypatch: pytest.Mon
     assert trust.read_trusted(place / "kernel.nbc") == b"code"
     os.close(trust.open_private(place / "kernel.lock"))
     assert folder._temporary_root().name == "irsim_gym-user"
-
-
-def test_a_crash_on_windows_is_named_as_people_look_it_up() -> None:
-    assert "ended with status 0xc0000005." in trial._end(0xC0000005, "")
-    assert "ended with status 3." in trial._end(3, "")
-    assert "ended by signal SIGSEGV." in trial._end(-11, "")
 
 
 @pytest.mark.parametrize("command", [["policies", "list"], ["options", "lidar2d"]])

@@ -158,7 +158,7 @@ def test_set_velocity() -> None:
     here.robot.set_velocity([0.3, 0.1], init=True)
     here.reset()
     assert here.robot.velocity.tolist() == [0.3, 0.1]
-    with pytest.raises(ValueError, match="no drive"):
+    with pytest.raises(ValueError, match="never moves"):
         here["obstacle_1"].set_velocity([1, 0])
 
 

@@ -324,8 +324,8 @@ DECISIONS = {
         "section 4",
     ),
     "driveless_behavior": Decision(
-        "a body with a behavior but no kinematics stands still",
-        "the same, with a warning that names the line",
+        "a body with a behavior but no kinematics stands still; with a mass, the first step is an error",
+        "the same, with a warning that names the line; with a mass, the file is refused",
         "documented for static objects, but a behavior for a wall is a likely mistake",
         "documentation of static",
     ),

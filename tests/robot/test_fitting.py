@@ -62,7 +62,7 @@ def test_a_policy_is_played_with_other_scanners_and_the_contract_notes_those_tha
 def test_the_driver_refuses_what_was_not_tested_and_notes_what_was(robot: Path) -> None:
     file = robot / "contract.json"
     wider = widened(content(robot), [replace(Variant("a", {**own_values(content(robot)), "beams": 360}), fits=True)])
-    file.write_text(wider.model_dump_json(), encoding="utf-8")
+    file.write_text(wider.model_dump_json(by_alias=True), encoding="utf-8")
     driver = Driver(file)
     driver.scan(messages.scan(0.0, np.full(360, 5.0)))
     assert (driver.scan_fault, driver.note) == ("", "scanner: beams 360, tested from 180 to 360, trained with 180")

@@ -18,7 +18,7 @@ OF_WORLDS = frozenset(
         *("get_object_by_name", "get_obstacle_info_list", "get_robot_info", "get_robot_info_list", "get_robot_state"),
         *("disable_all_plot", "display", "headless", "save_ani", "save_figure", "show", "quit", "quit_flag"),
         *("done", "end", "pause", "pause_flag", "resume", "refresh", "reload", "set_random_seed", "set_status"),
-        *("dynamic_objects", "static_objects", "names", "objects", "obstacle_list", "obstacle_number"),
+        *("dynamic_objects", "static_objects", "names", "objects", "obstacle_list", "obstacle_number", "contacts"),
         *("robot", "robot_list", "robot_number", "random_obstacle_position", "load_behavior", "get_msg"),
         *("key_id", "key_vel", "mouse_left_pos", "mouse_pos", "mouse_right_pos"),
         *("logger", "status", "step_mode", "step_time", "time", "world_param"),

@@ -201,9 +201,9 @@ class BodySpec:
         arrive_mode: ``position`` or ``state``.
         static: Whether the body never moves; True without kinematics and a finite mass.
         mass: Mass [kg]; may be infinite.
-        friction: Coefficient of friction; None for the world's.
+        friction: Coefficient of friction, a factor without unit; None for the world's.
         inertia: Moment of inertia [kg m2]; None for that of an even footprint.
-        restitution: Speed that a bounce keeps; None for the world's.
+        restitution: The share of the speed that a bounce keeps; None for the world's.
         unobstructed: Whether collisions and sensors ignore the body; behaviours do not.
         group: Number of its group.
         group_name: Name of its group.

@@ -142,7 +142,7 @@ def part_pair(w: int, slot: int, p: int, found: Overlap, push: Pushing, matter: 
         block(slot, a, -nx, -ny, other.friction, push)
     if share_a <= 0.0 and other.inverse > 0.0:
         block(slot, b, nx, ny, one.friction, push)
-    report(w, p, slot, found, depth, push)
+    report_contact(w, p, slot, found, depth, push)
     return depth > 0.0
 
 
@@ -255,7 +255,7 @@ def block(slot: int, b: int, nx: float, ny: float, friction: float, push: Pushin
 
 
 @kernel
-def report(w: int, p: int, slot: int, found: Overlap, depth: float, push: Pushing) -> None:
+def report_contact(w: int, p: int, slot: int, found: Overlap, depth: float, push: Pushing) -> None:
     """Report a contact, or that it is deeper than reported so far.
 
     Reads: push (n_reports, pairs, reports).

@@ -117,7 +117,7 @@ def tell_reach(worlds: Ints, reach: Floats, model: Model, told: Model) -> None:
     """Write the reach of bodies as robots know it.
 
     Reads: model (reach).
-    Writes: known (reach).
+    Writes: told (reach).
     """
     for w in worlds:
         for b in range(reach.shape[0]):

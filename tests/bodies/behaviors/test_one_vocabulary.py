@@ -103,7 +103,9 @@ def test_shared_names_tell_the_same() -> None:
     assert len(names) > 60
     seen, told = ask(lambda body: {name: read(name)(body) for name in names})
     for name in names:
-        if isinstance(told[name], (list, float, tuple)):
+        if name == "contact":  # it holds arrays, so it equals itself alone
+            assert repr(seen[name]) == repr(told[name])
+        elif isinstance(told[name], (list, float, tuple)):
             np.testing.assert_allclose(_numbers(seen[name]), _numbers(told[name]), rtol=1e-12, err_msg=name)
         else:
             np.testing.assert_equal(seen[name], told[name], err_msg=name)

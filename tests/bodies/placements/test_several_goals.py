@@ -152,7 +152,7 @@ def test_every_behavior_goes_to_all_goals_in_turn() -> None:
     loop = {**OMNI, **place, "behavior": {"name": "dash", "loop": True}}
     world = {"width": 9, "height": 9, "collision_mode": "unobstructed"}
     sim = ig.compile(ig.load_scenario({"world": world, "robot": [*robots, crowd, loop]}))
-    sim.reset(seed=2)
+    sim.reset(seed=1)
     arrived, passed, rounds = np.zeros(9, np.bool_), np.zeros((9, 3), np.bool_), 0
     for _ in range(500):
         before = sim.state.waypoint[0].copy()
