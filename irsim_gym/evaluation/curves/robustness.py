@@ -157,7 +157,7 @@ class Robustness:
         """Write ``robustness.json``, ``.csv`` and ``.md`` into ``folder``; in JSON, infinite numbers are null."""
         file = folder / RECORD
         lost = {
-            name: {one: self.lost_at(one, name) for one in self.factors if not math.isnan(self.lost_at(one, name))}
+            name: {factor: at for factor in self.factors if not math.isnan(at := self.lost_at(factor, name))}
             for name in self.policies
         }
         write_json(file, {**asdict(self), "lost_5_points_at": lost, "machine": machine()})

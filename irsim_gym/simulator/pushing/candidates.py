@@ -3,6 +3,7 @@
 import numpy as np
 
 from irsim_gym.base.arraytypes import Floats, Ints
+from irsim_gym.simulator.geometry.buckets import put_in_order
 from irsim_gym.simulator.pushing.matter import Matter
 from irsim_gym.simulator.pushing.memory import PAIRS, Pushing, greatest_travel
 from irsim_gym.simulator.world.names import Model, State, kernel
@@ -51,10 +52,13 @@ def find_pairs(w: int, slot: int, push: Pushing, matter: Matter, model: Model, s
         order_bodies(w, slot, push, model)
     if count > 1:
         rank_pairs(slot, push, matter)
+        sequence = push.sequence[slot]
         for k in range(count):
-            # First by what stands between, then by body a, then by the place of body b.
-            pairs[k].rank = (pairs[k].rank * n_bodies + pairs[k].a) * n_bodies + place[pairs[k].b]
-        sort_pairs(slot, push)
+            # First by what stands between, then by body a, then by the place of body b; the last digit is the pair.
+            sequence[k] = ((pairs[k].rank * n_bodies + pairs[k].a) * n_bodies + place[pairs[k].b]) * count + k
+        put_in_order(sequence, count)
+        for k in range(count):
+            sequence[k] %= count
 
 
 @kernel(inlined=True)
@@ -172,22 +176,6 @@ def sort_row(row: Ints, begin: int, end: int, axis: int, items: Floats) -> None:
 
 
 @kernel
-def sort_pairs(slot: int, push: Pushing) -> None:
-    """Sort pairs by their rank; equal ones keep their order.
-
-    Reads: push (counts, pairs, sequence).
-    Writes: push (sequence).
-    """
-    sequence, pairs = push.sequence[slot], push.pairs[slot]
-    for k in range(1, push.counts[slot, PAIRS]):
-        moved, i = sequence[k], k
-        while i > 0 and pairs[sequence[i - 1]].rank > pairs[moved].rank:
-            sequence[i] = sequence[i - 1]
-            i -= 1
-        sequence[i] = moved
-
-
-@kernel
 def rank_pairs(slot: int, push: Pushing, matter: Matter) -> None:
     """Rank pairs by how many bodies stand between them and one that nobody pushes.
 
@@ -195,7 +183,7 @@ def rank_pairs(slot: int, push: Pushing, matter: Matter) -> None:
     Writes: push (motions, pairs).
     """
     motions, pairs, n_pairs = push.motions[slot], push.pairs[slot], push.counts[slot, PAIRS]
-    unreached = n_pairs + 1
+    unreached = motions.shape[0] + 1
     for k in range(n_pairs):
         a, b = pairs[k].a, pairs[k].b
         motions[a].level = unreached if matter.substance[a].inverse > 0.0 else 0

@@ -5,8 +5,8 @@ from typing import ClassVar
 import numpy as np
 
 from irsim_gym.simulator.geometry.angles import wrap_from
-from irsim_gym.simulator.pushing.matter import Matter
-from irsim_gym.simulator.world.names import Group, Ints, Model, Shard, State, kernel, kind, row_of
+from irsim_gym.simulator.pushing.matter import Matter, gyration
+from irsim_gym.simulator.world.names import Group, Ints, Model, Shard, State, kernel, kind
 
 
 @kind
@@ -66,9 +66,8 @@ def coast(worlds: Ints, members: Ints, matter: Matter, model: Model, state: Stat
                 left = max(0.0, speed - loss) / speed
                 velocity[0], velocity[1] = velocity[0] * left, velocity[1] * left
             # The radius of gyration turns the loss of speed into one of the turn rate.
-            inertia = matter.inertia[row_of(matter.inertia, w), b]
-            gyration = np.sqrt(inertia / stuff.mass) if inertia < np.inf else 0.0
-            rate = max(0.0, abs(velocity[2]) - loss / gyration) if gyration > 0.0 else 0.0
+            radius = gyration(matter, w, b)
+            rate = max(0.0, abs(velocity[2]) - loss / radius) if radius > 0.0 else 0.0
             velocity[2] = np.copysign(rate, velocity[2])
             pose[0] += velocity[0] * dt
             pose[1] += velocity[1] * dt

@@ -264,6 +264,16 @@ def inverse_inertia(matter: Matter, w: int, b: int) -> float:
 
 
 @kernel
+def gyration(matter: Matter, w: int, b: int) -> float:
+    """Return a body's radius of gyration [m]; 0 if its mass or its moment of inertia is infinite.
+
+    Reads: matter (inertia, substance).
+    """
+    mass, inertia = matter.substance[b].mass, matter.inertia[row_of(matter.inertia, w), b]
+    return np.sqrt(inertia / mass) if mass < np.inf and inertia < np.inf else 0.0
+
+
+@kernel
 def cut_outlines(worlds: Ints, matter: Matter, model: Model) -> None:
     """Write the pieces of the bodies whose outline levels draw.
 

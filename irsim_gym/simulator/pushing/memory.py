@@ -23,7 +23,7 @@ PAIR = record_type(
 )
 """Two bodies that may touch: their deepest contact as in REPORT, the sum of its impulses [kg m], and whether both are
 bodies to push that touch at the beginning of a sweep, with the unit vector from b to a then; ``report`` is the number
-of the report, -1 before there is one, and ``rank`` the order of the pair.
+of the report, -1 before there is one, and ``rank`` tells how many bodies stand between both and one that nobody pushes.
 """
 MOTION = record_type("x y heading cosine sine cx cy dx dy turn", level=np.int64, blocker=np.int64, mark=np.int64)
 """A body while it is taken apart from others: pose and centre of mass as the step began [m, m, rad], cosine and sine of

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from irsim_gym.base.arraytypes import Floats
-from irsim_gym.simulator.pushing.matter import inverse_inertia
+from irsim_gym.simulator.pushing.matter import gyration, inverse_inertia
 from irsim_gym.simulator.pushing.outcome import ground_velocity
 from irsim_gym.simulator.readings.body_readings import BodyReadings, SpecField
 
@@ -106,8 +106,7 @@ class ContactReadings(BodyReadings, ABC):
     @property
     def gyration(self) -> float:
         """Radius of gyration [m]; 0 if mass or inertia are infinite."""
-        is_finite = np.isfinite([self.mass, self.inertia]).all()
-        return float(np.sqrt(self.inertia / self.mass)) if is_finite else 0.0
+        return float(gyration(self._context.weighed(), self._w, self._b))
 
     @property
     def drive_velocity_xy(self) -> Floats:
@@ -122,7 +121,7 @@ class ContactReadings(BodyReadings, ABC):
         push, w, b = self._context.pushing, self._w, self._b
         if push is None:
             return BodyContact(False, self._vector(np.zeros(2)))
-        records = [one for one in self._records() if self._b in (one.a._b, one.b._b)]
+        records = [one for one in self._records() if b in (one.a._b, one.b._b)]
         sides = [(one.b, 1.0, one) if one.a._b == b else (one.a, -1.0, one) for one in records]
         reports = [
             ContactReport(other, one.point, sign * one.normal, one.depth, one.force) for other, sign, one in sides
