@@ -193,6 +193,9 @@ class ComparedPolicy:
         values = {name: rows[worlds] for name, rows in measured(episodes).items()}
         inputs = self._runner.inputs(values, worlds)
         commands, actions = self._runner.run(inputs, worlds), np.asarray(self.policy.act(episodes, worlds))
+        if not episodes.n_discrete:
+            # The graph remembers what was done: where the policy hunts, its last bit would grow from step to step.
+            self._runner.states["action"][worlds] = first_actions(episodes, actions)
         # A robot whose episode has ended waits for its team: it is not driven any more.
         drives = episodes.view.infos["outcome"][worlds, 0] == Outcome.RUNNING
         apart = np.abs(commands - commands_of(episodes, actions, values))[drives]
@@ -214,8 +217,13 @@ def commands_of(episodes: Episodes, actions: NDArray[Any], values: Measured) -> 
     if episodes.n_discrete:
         commands = episodes.terms["action"][0].arrays["grid"][0][actions.reshape(len(actions), episodes.n_agents)[:, 0]]
     else:
-        commands = np.clip(actions.reshape(len(actions), episodes.n_agents, -1)[:, 0], -1.0, 1.0)
+        commands = first_actions(episodes, actions)
     return np.asarray(0.5 * (low + high) + commands.astype(np.float64) * (0.5 * (high - low)))
+
+
+def first_actions(episodes: Episodes, actions: NDArray[Any]) -> NDArray[Any]:
+    """Return the first agent's actions within [-1, 1], ``(n, n_components)``."""
+    return np.clip(actions.reshape(len(actions), episodes.n_agents, -1)[:, 0], -1.0, 1.0)
 
 
 def rescaled(actions: Floats, before: tuple[Floats, Floats], now: tuple[Floats, Floats]) -> Floats:

@@ -24,8 +24,18 @@ from irsim_gym.robot.export import export_for_robot
 from irsim_gym.robot.inputs import measured
 from irsim_gym.tasks import Episodes, Outcome
 
-ONE_FILE = ("cluttered_room", "dense_room", "crossing", "circle_swap", "random_swap", "parking")
-WITH_MAP = ("barn", "bug_trap", "cluttered_room_memory", "dense_room_memory", "jaxnav_single", "maze", "narrow_door")
+ONE_FILE = ("cluttered_room", "cluttered_room_robot", "dense_room", "crossing", "circle_swap", "random_swap", "parking")
+WITH_MAP = (
+    "barn",
+    "bug_trap",
+    "cluttered_room_memory",
+    "dense_room_memory",
+    "dense_room_memory_robot",
+    "jaxnav_single",
+    "maze",
+    "maze_robot",
+    "narrow_door",
+)
 
 
 def levels_of(name: str, n_levels: int) -> tuple[SavedPolicy, Episodes]:

@@ -18,7 +18,7 @@ from irsim_gym.tasks.observations.scan.ranges import (
     shared_sensors,
 )
 from irsim_gym.tasks.terms import Bound, EpisodeState, Model, Shard, Simulation, Struct, Term, kernel, kind, option
-from irsim_gym.tasks.terms.graph import RobotValues, Value, rotation, sector_flags
+from irsim_gym.tasks.terms.graph import RobotValues, Value, rotation, sector_minima
 from irsim_gym.tasks.terms.mirrored import Mirrored, sectors_exchanged
 from irsim_gym.tasks.terms.term import Needs
 from irsim_gym.tasks.terms.words import Columns, coded, evenly
@@ -134,8 +134,8 @@ class PastScans(EncodesDepths):
         moved = robot.turned(robot.ways(poses.columns(0, 2, 2))).spread(3)
         turns = rotation(poses.columns(2, 3, 2) - robot.pose.columns(2, 3).spread(2), len(self.ago))
         places = turns.times(ends) + moved
-        depth = (places.length(2, keeps=True) - memory.reach[agent]).cast(np.float32)
-        depths = sector_flags(places, self.sectors).where(depth, far).smallest(3)
+        depths = places.length(2, keeps=True) - memory.reach[agent]
+        depths = sector_minima(depths, places, self.sectors).cast(np.float32)
         return self.coded_graph(far, depths.between(0.0, far)).op("Flatten")
 
     @staticmethod
