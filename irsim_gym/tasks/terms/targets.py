@@ -1,7 +1,7 @@
 """Bodies that are to be pushed to a target: their goals, or an area."""
 
 from dataclasses import dataclass
-from typing import Protocol, runtime_checkable
+from typing import ClassVar, Protocol, runtime_checkable
 
 import numpy as np
 
@@ -48,6 +48,8 @@ class Targets(Struct):
 class OfBodies:
     """What kinds about bodies that can be pushed have in common."""
 
+    lacking: ClassVar[str] = "no body that can be pushed: an obstacle with a finite 'mass', and without a drive, can"
+
     bodies: tuple[str, ...] = option(
         (), meaning="Names of the bodies, or of their groups; default: all without a drive that can be pushed."
     )
@@ -57,25 +59,22 @@ class OfBodies:
 
     def chosen(self, scenario: Scenario) -> list[int]:
         """Return the bodies that it is about."""
-        return [
-            b
-            for b, body in enumerate(scenario.bodies)
-            if body.coasts
-            and not body.unobstructed
-            and (not self.bodies or {body.name, body.group_name} & set(self.bodies))
-        ]
+        names, bodies = set(self.bodies), scenario.bodies
+        pushed = [b for b, body in enumerate(bodies) if body.coasts and not body.unobstructed]
+        return [b for b in pushed if not names or names & {bodies[b].name, bodies[b].group_name}]
 
     def misfit(self, scenario: Scenario) -> str | None:
         """Return what the scenario lacks, as text."""
-        chosen = self.chosen(scenario)
-        names = {name for b in chosen for name in (scenario.bodies[b].name, scenario.bodies[b].group_name)}
-        unknown = [name for name in self.bodies if name not in names]
-        if self.area is not None and not (self.area[0] < self.area[2] and self.area[1] < self.area[3]):
-            return f"'area' must be x0, y0, x1, y1 with x0 < x1 and y0 < y1, got {list(self.area)}"
+        chosen, area = self.chosen(scenario), self.area
+        found = {name for b in chosen for name in (scenario.bodies[b].name, scenario.bodies[b].group_name)}
+        unknown = [name for name in self.bodies if name not in found]
+        if scenario.world.collision_mode != "contact":
+            return NO_CONTACTS
+        if area is not None and not (area[0] < area[2] and area[1] < area[3]):
+            return f"'area' must be x0, y0, x1, y1 with x0 < x1 and y0 < y1, got {list(area)}"
         if unknown or not chosen:
-            what = f"'{unknown[0]}' is no body that can be pushed" if unknown else "no body can be pushed"
-            return f"{what}: with collision_mode contact, an obstacle with a finite mass can"
-        return None if scenario.world.collision_mode == "contact" else NO_CONTACTS
+            return f"{f'{unknown[0]!r} is' if unknown else 'there is'} {self.lacking}"
+        return None
 
     def targets(self, simulation: Simulation, n_agents: int) -> Targets:
         """Return the bodies with their targets."""
@@ -93,6 +92,8 @@ class OfBodies:
 @kind
 class ToTargets(OfBodies):
     """What kinds about bodies that are pushed to a target have in common."""
+
+    lacking: ClassVar[str] = f"{OfBodies.lacking}, with a 'goal' unless there is an 'area'"
 
     def chosen(self, scenario: Scenario) -> list[int]:
         """Return the bodies that it is about: those with a target."""

@@ -61,7 +61,7 @@ class MovableBodies(OfBodies):
 
     The numbers are cosine and sine of the bearing of the body's origin, its distance d as ``d / range`` and
     ``exp(-d / near)``; cosine and sine of its heading relative to the agent's; its velocity relative to the agent, in
-    the agent's frame, divided by ``speed``; its radius; its friction with the ground f as ``f / (f + own)``, more than
+    the agent's frame, divided by ``speed``; its reach; its friction with the ground f as ``f / (f + own)``, more than
     0.5 where the agent alone cannot push it; and 1 if there is a body. Then, of the way from its origin to its target,
     the direction in the agent's frame and both distances, and 1 if it lies there; zeros without a target.
     """
@@ -101,7 +101,7 @@ class MovableBodies(OfBodies):
             Columns(f"{what}sine of its heading, relative to the robot's"),
             Columns(f"{what}speed ahead", pace),
             Columns(f"{what}speed to the left", pace),
-            Columns(f"{what}radius r", f"r / (r + {HALF_RADIUS:g} m)"),
+            Columns(f"{what}its reach r", f"r / (r + {HALF_RADIUS:g} m)"),
             Columns(f"{what}friction f with the ground", "f / (f + own); above 0.5, it is too heavy for the robot"),
             Columns(f"{what}1 if there is one, else 0, and all its other numbers 0"),
         ]
@@ -134,7 +134,7 @@ def write_movable(
     """Write the numbers of the first bodies, zeros where there is none.
 
     Reads: term (agents, column, options), movable (aims, distance, found, grip, targets), model (arrive_mode, bounds,
-        goal_threshold, present, radius), state (goal, pose, stopped, twist, waypoint, waypoint_end).
+        goal_threshold, present, reach), state (goal, pose, stopped, twist, waypoint, waypoint_end).
     Writes: movable (distance, found), episode (observation).
     """
     options, distance, found = term.options[0], movable.distance[slot], movable.found[slot]
@@ -174,7 +174,7 @@ def describe_movable(
 ) -> None:
     """Write the numbers of a body without those of its target.
 
-    Reads: model (radius), state (pose, stopped, twist).
+    Reads: model (reach), state (pose, stopped, twist).
     Writes: out.
     """
     heading = state.pose[w, own, 2]
@@ -188,7 +188,7 @@ def describe_movable(
     vx = moving(w, body, 0, state) - moving(w, own, 0, state)
     vy = moving(w, body, 1, state) - moving(w, own, 1, state)
     out[6], out[7] = unit((vx * cosine + vy * sine) / scales[2]), unit((vy * cosine - vx * sine) / scales[2])
-    out[8] = share_of(model.radius[row_of(model.radius, w), body], HALF_RADIUS)
+    out[8] = share_of(model.reach[row_of(model.reach, w), body], HALF_RADIUS)
     out[9] = unit(grip[body] / (grip[body] + grip[own])) if grip[body] > 0.0 else np.float32(0.0)
     out[10] = np.float32(1.0)
 
