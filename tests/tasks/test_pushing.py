@@ -229,17 +229,17 @@ def test_batch_single_and_threads_agree() -> None:
     robot = {key: value for key, value in ROBOT.items() if key != "state"} | {"distribution": there}
     boxes = {"number_range": [1, 3], "shape": BOX["shape"], "mass": 0.5, "distribution": {**there, "min_distance": 0}}
     played = [play(robot, boxes, n, threads, **EVERYTHING) for n, threads in ((4, 1), (4, 3), (1, 1))]
-    played[2].begin(np.array([0]), np.array([2]))
+    played[2].begin(np.array([0]), np.array([1]))
     rng, touched = np.random.default_rng(0), False
     for _ in range(150):
         actions = rng.uniform([0.5, -0.6], [1.0, 1.0], (4, 1, 2))
         for one in played:
-            one.step(actions if one.n_worlds == 4 else actions[[2]])
-        touched |= bool(played[0].view.reward_terms[2].any())
+            one.step(actions if one.n_worlds == 4 else actions[[1]])
+        touched |= bool(played[0].view.reward_terms[1].any())
         for field in ("observation", "reward_terms", "terminated"):
             values = [getattr(one.view, field) for one in played]
             np.testing.assert_array_equal(values[0], values[1], err_msg=field)
-            np.testing.assert_array_equal(values[0][2], values[2][0], err_msg=field)
+            np.testing.assert_array_equal(values[0][1], values[2][0], err_msg=field)
         assert np.abs(played[0].view.observation).max() <= 1.0
     assert touched
 
