@@ -1,7 +1,7 @@
 """Observations, rewards and the ending of bodies that are pushed, against values worked out by hand.
 
 The robot begins at x = 1, gains 0.4905 m/s a step (friction 0.5, 9.81 m/s2), and drives at 1 m/s from its third step
-on. It reaches the box in its ninth step and pushes it on at 1 m/s: in its step k > 9 the box lies at 2.647151 + 0.1 (k -
+on. It reaches the box in its ninth step and pushes it on at 1 m/s: after step k > 9 the box lies at 2.647151 + 0.1 (k -
 10) m. The friction of the box is 0.5 * 0.5 kg * 9.81 m/s2 = 2.4525 N.
 """
 

@@ -148,7 +148,7 @@ def _body_notes(body: BodySpec, scenario: Scenario) -> Iterator[str]:
 
 
 def _stride_notes(body: BodySpec, scenario: Scenario) -> Iterator[str]:
-    """Yield a remark if a step at full speed may lead over a goal; bodies without a drive have no speed of their own."""
+    """Yield a remark if a step at full speed may lead over a goal; bodies without a drive have no speed to set."""
     if body.kinematics is None or body.static:
         return
     drive = KINEMATICS.name_of(type(body.kinematics))

@@ -48,7 +48,7 @@ class Targets(Struct):
 class OfBodies:
     """What kinds about bodies that can be pushed have in common."""
 
-    lacking: ClassVar[str] = "no body that can be pushed: an obstacle with a finite 'mass', and without a drive, can"
+    needs_target: ClassVar[bool] = False
 
     bodies: tuple[str, ...] = option(
         (), meaning="Names of the bodies, or of their groups; default: all without a drive that can be pushed."
@@ -59,9 +59,10 @@ class OfBodies:
 
     def chosen(self, scenario: Scenario) -> list[int]:
         """Return the bodies that it is about."""
-        names, bodies = set(self.bodies), scenario.bodies
+        names, bodies, is_any = set(self.bodies), scenario.bodies, self.area is not None or not self.needs_target
         pushed = [b for b, body in enumerate(bodies) if body.coasts and not body.unobstructed]
-        return [b for b in pushed if not names or names & {bodies[b].name, bodies[b].group_name}]
+        aimed = [b for b in pushed if is_any or has_goal(scenario, b)]
+        return [b for b in aimed if not names or names & {bodies[b].name, bodies[b].group_name}]
 
     def misfit(self, scenario: Scenario) -> str | None:
         """Return what the scenario lacks, as text."""
@@ -73,7 +74,9 @@ class OfBodies:
         if area is not None and not (area[0] < area[2] and area[1] < area[3]):
             return f"'area' must be x0, y0, x1, y1 with x0 < x1 and y0 < y1, got {list(area)}"
         if unknown or not chosen:
-            return f"{f'{unknown[0]!r} is' if unknown else 'there is'} {self.lacking}"
+            what = f"{unknown[0]!r} is" if unknown else "there is"
+            aim = ", with a 'goal' unless there is an 'area'" if self.needs_target else ""
+            return f"{what} no body that can be pushed: an obstacle with a finite 'mass', and without a drive, can{aim}"
         return None
 
     def targets(self, simulation: Simulation, n_agents: int) -> Targets:
@@ -93,11 +96,7 @@ class OfBodies:
 class ToTargets(OfBodies):
     """What kinds about bodies that are pushed to a target have in common."""
 
-    lacking: ClassVar[str] = f"{OfBodies.lacking}, with a 'goal' unless there is an 'area'"
-
-    def chosen(self, scenario: Scenario) -> list[int]:
-        """Return the bodies that it is about: those with a target."""
-        return [b for b in super().chosen(scenario) if self.area is not None or has_goal(scenario, b)]
+    needs_target: ClassVar[bool] = True
 
 
 def has_goal(scenario: Scenario, b: int) -> bool:

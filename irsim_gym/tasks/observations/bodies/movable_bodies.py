@@ -6,29 +6,18 @@ from typing import ClassVar
 import numpy as np
 
 from irsim_gym.base.arraytypes import Floats, Ints, Point, Rays
+from irsim_gym.simulator.engine import Simulation
+from irsim_gym.simulator.world.rows import row_of
 from irsim_gym.tasks.observations.bodies.nearest_bodies import moving
 from irsim_gym.tasks.observations.bodies.neighbors import insert
 from irsim_gym.tasks.observations.own.own_body import HALF_RADIUS, share_of
 from irsim_gym.tasks.observations.seen_map.way_columns import write_direction
-from irsim_gym.tasks.terms import (
-    Bound,
-    Columns,
-    EpisodeState,
-    Model,
-    Shard,
-    Simulation,
-    State,
-    Struct,
-    Term,
-    kernel,
-    kind,
-    option,
-    row_of,
-)
+from irsim_gym.tasks.terms import EpisodeState, Model, Shard, State, Struct, kernel, kind, option
 from irsim_gym.tasks.terms.mirrored import Mirrored, signed
 from irsim_gym.tasks.terms.scaling import diagonal, unit
 from irsim_gym.tasks.terms.targets import OfBodies, Targets, has_goal, lies_there, way_to_target
-from irsim_gym.tasks.terms.term import Needs
+from irsim_gym.tasks.terms.term import Bound, Needs, Term
+from irsim_gym.tasks.terms.words import Columns
 
 Scales = tuple[float, float, float]
 """Distance that reads 1 and distance of the near terms [m], and speed that reads 1 [m/s]."""
@@ -90,30 +79,27 @@ class MovableBodies(OfBodies):
 
     def columns(self, term: Term, model: Model, agent: int) -> list[Columns]:
         """Return the meaning of the columns."""
-        far, what = self.range or diagonal(model.bounds), "first movable body: "
-        pace, near = f"v / {self.speed:g} m/s, relative to the robot", f"exp(-d / {self.near:g} m)"
+        far, what, left = self.range or diagonal(model.bounds), "first movable body: ", "to the left positive"
+        near = f"exp(-d / {self.near:g} m)"
         columns = [
-            Columns(f"{what}cosine of its bearing", "1 straight ahead, -1 straight behind"),
-            Columns(f"{what}sine of its bearing", "1 to the left, -1 to the right"),
+            Columns(f"{what}cosine and sine of its bearing", f"0 straight ahead, {left}", 2),
             Columns(f"{what}distance d of its origin", f"d / {far:.3g} m"),
             Columns(f"{what}nearness of its origin", near),
-            Columns(f"{what}cosine of its heading, relative to the robot's"),
-            Columns(f"{what}sine of its heading, relative to the robot's"),
-            Columns(f"{what}speed ahead", pace),
-            Columns(f"{what}speed to the left", pace),
+            Columns(f"{what}cosine and sine of its heading, relative to the robot's", left, 2),
+            Columns(f"{what}speed ahead and to the left, relative to the robot", f"v / {self.speed:g} m/s", 2),
             Columns(f"{what}its reach r", f"r / (r + {HALF_RADIUS:g} m)"),
             Columns(f"{what}friction f with the ground", "f / (f + own); above 0.5, it is too heavy for the robot"),
             Columns(f"{what}1 if there is one, else 0, and all its other numbers 0"),
         ]
         aim = [
-            Columns(f"{what}cosine of the direction to its target", "1 straight ahead, -1 straight behind"),
-            Columns(f"{what}sine of the direction to its target", "1 to the left, -1 to the right"),
+            Columns(f"{what}cosine and sine of the direction to its target", f"0 straight ahead, {left}", 2),
             Columns(f"{what}distance d from its target", f"d / {far:.3g} m, at most 1"),
             Columns(f"{what}nearness of its target", near),
             Columns(f"{what}1 if it lies in its target, else 0"),
         ]
         columns += aim if self.target else []
-        rest = Columns("the same of each of the next bodies", count=len(columns) * (self.count - 1))
+        width = BODY + TARGET * self.target
+        rest = Columns("the same of each of the next bodies", count=width * (self.count - 1))
         return [*columns, rest] if self.count > 1 else columns
 
     def mirrored(self, term: Term) -> Mirrored:

@@ -6,24 +6,13 @@ import numpy as np
 
 from irsim_gym.base.arraytypes import Rays, Records
 from irsim_gym.scenario.specs.spec import Scenario
-from irsim_gym.tasks.terms import (
-    Bound,
-    Columns,
-    EpisodeState,
-    Ints,
-    Model,
-    Shard,
-    Simulation,
-    State,
-    Term,
-    kernel,
-    kind,
-    option,
-)
+from irsim_gym.simulator.engine import Simulation
+from irsim_gym.tasks.terms import EpisodeState, Ints, Model, Shard, State, kernel, kind, option
 from irsim_gym.tasks.terms.mirrored import Mirrored, signed
 from irsim_gym.tasks.terms.scaling import unit
 from irsim_gym.tasks.terms.targets import NO_CONTACTS
-from irsim_gym.tasks.terms.term import Needs
+from irsim_gym.tasks.terms.term import Bound, Needs, Term
+from irsim_gym.tasks.terms.words import Columns
 
 
 @kind

@@ -2,22 +2,11 @@
 
 from typing import ClassVar
 
-from irsim_gym.tasks.terms import (
-    Bound,
-    EpisodeState,
-    Ints,
-    Model,
-    Outcome,
-    Role,
-    Shard,
-    Simulation,
-    State,
-    Term,
-    kernel,
-    kind,
-    option,
-)
+from irsim_gym.simulator.engine import Simulation
+from irsim_gym.tasks.terms import EpisodeState, Ints, Model, Shard, State, kernel, kind, option
+from irsim_gym.tasks.terms.outcome import Outcome
 from irsim_gym.tasks.terms.targets import Targets, ToTargets, lies_there
+from irsim_gym.tasks.terms.term import Bound, Role, Term
 
 
 @kind
@@ -29,7 +18,7 @@ class BodyArrival(ToTargets):
     """
 
     role: ClassVar[Role] = "bonus"
-    outcome: ClassVar[Outcome] = Outcome.RUNNING
+    outcome: ClassVar[Outcome] = Outcome.SUCCESS
     needs_goal: ClassVar[bool] = False
     needs_ending: ClassVar[bool] = False
 

@@ -4,23 +4,12 @@ from typing import ClassVar
 
 import numpy as np
 
-from irsim_gym.tasks.terms import (
-    Bound,
-    EpisodeState,
-    Ints,
-    Model,
-    Outcome,
-    Role,
-    Shard,
-    Simulation,
-    State,
-    Term,
-    kernel,
-    kind,
-    option,
-)
+from irsim_gym.simulator.engine import Simulation
+from irsim_gym.tasks.terms import EpisodeState, Ints, Model, Shard, State, kernel, kind, option
+from irsim_gym.tasks.terms.outcome import Outcome
 from irsim_gym.tasks.terms.scaling import diagonal
 from irsim_gym.tasks.terms.targets import Targets, ToTargets, way_to_target
+from irsim_gym.tasks.terms.term import Bound, Role, Term
 
 
 @kind

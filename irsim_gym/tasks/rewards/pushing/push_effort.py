@@ -2,21 +2,10 @@
 
 from irsim_gym.base.arraytypes import Records
 from irsim_gym.scenario.specs.spec import Scenario
-from irsim_gym.tasks.terms import (
-    Bound,
-    EpisodeState,
-    Ints,
-    Model,
-    RewardDefaults,
-    Shard,
-    Simulation,
-    State,
-    Term,
-    kernel,
-    kind,
-    option,
-)
+from irsim_gym.simulator.engine import Simulation
+from irsim_gym.tasks.terms import EpisodeState, Ints, Model, Shard, State, kernel, kind, option
 from irsim_gym.tasks.terms.targets import NO_CONTACTS
+from irsim_gym.tasks.terms.term import Bound, RewardDefaults, Term
 
 
 @kind
