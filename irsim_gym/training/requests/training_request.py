@@ -8,7 +8,7 @@ from typing import Any, Self
 from irsim_gym.base.errors import IrsimGymError
 from irsim_gym.base.families import ACTIONS
 from irsim_gym.evaluation.policies.perception import perception_differences
-from irsim_gym.evaluation.saved_policies.algorithms import find_algorithm
+from irsim_gym.evaluation.saved_policies.algorithms import MASKED, find_algorithm
 from irsim_gym.evaluation.saved_policies.policies import policy_names
 from irsim_gym.evaluation.saved_policies.run_folder import lasting
 from irsim_gym.evaluation.saved_policies.snapshot import listed
@@ -135,6 +135,9 @@ class TrainingRequest:
         hyperparameters = load_hyperparameters(*names, **chosen_file, overrides=self.overrides)
         task = None if self.task is None else lasting(self.task)
         settings = Settings(named, algorithm, self.seed, task, hyperparameters, loaded.parameters, self.strict)
+        if hyperparameters.team == "episode" and algorithm not in MASKED:
+            ways = f"--team respawn, where none waits, or {', '.join(MASKED)}"
+            raise IrsimGymError(f"{algorithm} learns from robots that wait as if they acted: take {ways}")
         if settings.is_team:  # its robots have to fit each other, too
             settings.load_task()
         return settings
