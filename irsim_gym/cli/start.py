@@ -1,4 +1,4 @@
-"""The commands ``irsim-gym new``, ``options`` and ``schema``."""
+"""The commands ``irsim-gym new`` and ``options``."""
 
 from pathlib import Path
 from typing import Annotated
@@ -29,12 +29,3 @@ def options(
         page.write_text(rewritten(page.read_text(encoding="utf-8")), encoding="utf-8")
     else:
         print_options(name)
-
-
-def schema() -> None:
-    """Write the JSON Schema of scenario files, for editors."""
-    import json
-
-    from irsim_gym.scenario.reference.schema import json_schema
-
-    print(json.dumps(json_schema(), indent=2))
