@@ -25,9 +25,7 @@ class LostBeams:
     acts_on: ClassVar[str] = "scan"
 
     chance: Annotated[Drawn, Bounds(0.0, 1.0)] = option(0.0, meaning="Probability, in each scan, that a beam is lost.")
-    reads: Literal["none", "zero"] = option(
-        "none", meaning="What a lost beam reads: range_max, as if nothing were there (none), or range_min (zero)."
-    )
+    reads: Literal["none", "zero"] = option("none", meaning="A lost beam reads range_max (none) or range_min (zero).")
 
     @staticmethod
     def prepare(group: Group, model: Model, n_slots: int) -> None:

@@ -31,12 +31,8 @@ class Odometry:
 
     acts_on: ClassVar[str] = "belief"
 
-    scale: Annotated[Drawn, Bounds(-1.0, 10.0)] = option(
-        0.0, meaning="Share by which each way is believed to be longer than the wheels have rolled."
-    )
-    yaw: Annotated[Drawn, Bounds(-10.0, 10.0)] = option(
-        0.0, unit="rad/m", meaning="Drift of the heading to the left for each metre."
-    )
+    scale: Annotated[Drawn, Bounds(-1.0, 10.0)] = option(0.0, meaning="Share by which ways are believed too long.")
+    yaw: Annotated[Drawn, Bounds(-10.0, 10.0)] = option(0.0, unit="rad/m", meaning="Drift to the left for each metre.")
     fix: PositionFix | None = option(None, meaning="A mapping with the keys every, std and angle_std; default: none.")
 
     @staticmethod

@@ -19,9 +19,7 @@ class Radius:
 
     acts_on: ClassVar[str] = "outline"
 
-    offset: Annotated[Drawn, Bounds(-100.0, 100.0)] = option(
-        0.0, unit="m", meaning="True radius, less the one of the entry; at least 1 mm remains."
-    )
+    offset: Annotated[Drawn, Bounds(-100.0, 100.0)] = option(0.0, unit="m", meaning="True radius less the entry's.")
 
     @staticmethod
     def prepare(group: Group, model: Model, n_slots: int) -> None:

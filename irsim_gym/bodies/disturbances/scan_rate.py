@@ -17,9 +17,7 @@ class ScanRate:
 
     acts_on: ClassVar[str] = "scan"
 
-    every: Annotated[Drawn, Bounds(0.0, 100.0)] = option(
-        0.0, unit="s", meaning="Time from one scan to the next, rounded up to whole steps."
-    )
+    every: Annotated[Drawn, Bounds(0.0, 100.0)] = option(0.0, unit="s", meaning="Time between scans, in whole steps.")
 
     @staticmethod
     def prepare(group: Group, model: Model, n_slots: int) -> None:

@@ -47,9 +47,7 @@ class RandomCells(LevelMap):
 
     draw_maps = staticmethod(draw_cells)
 
-    fill: tuple[float, float] = option(
-        (0.0, 0.6), meaning="Bounds of the share of occupied cells, those of the border not counted, 0 to 1."
-    )
+    fill: tuple[float, float] = option((0.0, 0.6), meaning="Bounds of the share of occupied cells without the border.")
 
     def problems(self) -> Iterator[tuple[str, str]]:
         """Yield key and message of invalid or conflicting options."""

@@ -77,14 +77,10 @@ class CellularMap(LevelMap):
 
     draw_maps = staticmethod(draw_cellular)
 
-    fill: tuple[float, float] = option(
-        (0.4, 0.48), meaning="Bounds of the probability that a cell is occupied at first, 0 to 1."
-    )
+    fill: tuple[float, float] = option((0.4, 0.48), meaning="Bounds of the probability that a cell begins occupied.")
     rounds: tuple[int, int] = option((4, 4), meaning="Bounds of how often all cells are smoothed, at most 100.")
     fill_from: int = option(5, ge=1, le=9, meaning="A cell with at least this many occupied neighbours is occupied.")
-    clear_to: int = option(
-        3, ge=-1, le=8, meaning="A cell with at most this many occupied neighbours is free; other cells do not change."
-    )
+    clear_to: int = option(3, ge=-1, le=8, meaning="Cells with so many occupied neighbours at most become free.")
 
     def problems(self) -> Iterator[tuple[str, str]]:
         """Yield key and message of invalid or conflicting options."""

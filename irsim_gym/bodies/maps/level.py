@@ -72,9 +72,7 @@ class LevelMap(CellsKind):
     draw_maps: ClassVar[Callable[..., None]]
     """The kernel that draws the maps of some worlds."""
 
-    resolution: float = option(
-        1.0, gt=0.0, unit="m", meaning="Cell size, rounded so that whole cells fill the world; at most 65536 cells."
-    )
+    resolution: float = option(1.0, gt=0.0, unit="m", meaning="Cell size: whole cells fill the world; 65536 at most.")
     border: bool = option(True, meaning="Occupy the outermost cells in every level.")
 
     @staticmethod

@@ -99,9 +99,7 @@ class MazeMap(LevelMap):
     draw_maps = staticmethod(draw_maze)
 
     corridor: float = option(1.0, gt=0.0, unit="m", meaning="Width of the corridors, in whole cells.")
-    loops: float = option(
-        0.1, ge=0.0, le=1.0, meaning="Probability that a wall is opened that the ways do not need: 0 leaves one way."
-    )
+    loops: float = option(0.1, ge=0.0, le=1.0, meaning="Probability that a needless wall is opened: 0 leaves one way.")
 
     def occupied(self, width: float, height: float, name: str, find: Callable[[str], Path]) -> Flags:
         """Return the border, shape ``(columns, rows)``.

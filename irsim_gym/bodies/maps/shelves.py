@@ -53,9 +53,7 @@ class ShelvesMap(LevelMap):
 
     shelf: tuple[float, float] = option((3.0, 1.0), unit="m", meaning="Length and depth of a shelf, in whole cells.")
     aisle: float = option(1.5, gt=0.0, unit="m", meaning="Width of the aisles, in whole cells.")
-    missing: tuple[float, float] = option(
-        (0.0, 0.3), meaning="Bounds of the probability that a shelf is missing, 0 to 1."
-    )
+    missing: tuple[float, float] = option((0.0, 0.3), meaning="Bounds of the probability that a shelf is missing.")
     turn: bool = option(True, meaning="Shelves stand along x or along y, as each level draws; else along x.")
 
     def problems(self) -> Iterator[tuple[str, str]]:

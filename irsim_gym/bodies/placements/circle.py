@@ -58,9 +58,7 @@ class CirclePlacement:
     center: tuple[float, float] | tuple[float, float, float] | None = option(
         None, unit="m", meaning="Centre; by default the centre of the world."
     )
-    radius: float | None = option(
-        None, gt=0.0, unit="m", meaning="Radius; by default half of the world's shorter side, less 0.5 m."
-    )
+    radius: float | None = option(None, gt=0.0, unit="m", meaning="Radius; default: half the shorter side less 0.5 m.")
     jitter: float = option(
         0.0,
         ge=0.0,
@@ -69,17 +67,13 @@ class CirclePlacement:
         consequence="Large on a full circle: levels take long to draw, or cannot be.",
     )
     turn: bool = option(False, meaning="Turn the whole circle by another angle in each level.")
-    scatter: bool = option(
-        False, meaning="Each level draws the places on the circle; by default they are evenly spaced."
-    )
+    scatter: bool = option(False, meaning="Each level draws the places on the circle; default: evenly spaced.")
     mirror: bool = option(
         False,
         meaning="Each goal is the mirror image of its start about the centre, and no body starts at another's goal; by "
         "default, goals are shifted independently.",
     )
-    clearance: float = option(
-        0.05, ge=0.0, unit="m", meaning="Minimum distance between outlines, for shifted or scattered starts and goals."
-    )
+    clearance: float = option(0.05, ge=0.0, unit="m", meaning="Least gap of shifted or scattered starts and goals.")
 
     @property
     def is_random(self) -> bool:

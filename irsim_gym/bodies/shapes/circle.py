@@ -24,9 +24,7 @@ class Circle:
     center: tuple[float, float] = option((0.0, 0.0), unit="m", meaning="Centre in the body frame.")
     random_shape: bool = option(False, meaning="Draw the radius from radius_range at each reset.")
     radius_range: tuple[float, float] = option((0.1, 1.0), unit="m", meaning="Bounds of a random radius.")
-    wheelbase: float | None = option(
-        None, ge=0.0, unit="m", meaning="Axle distance; the disc moves forward by half of it."
-    )
+    wheelbase: float | None = option(None, ge=0.0, unit="m", meaning="Axle distance; half of it shifts the disc ahead.")
 
     @property
     def is_random(self) -> bool:

@@ -37,8 +37,7 @@ class Progress(RewardDefaults):
 
     weight: float = option(4.0, ge=0.0, meaning="Reward for progress of one diagonal of the world.")
     potential: Literal["euclidean", "geodesic"] = option(
-        "euclidean",
-        meaning="Distance to the goal: straight, or around everything that never moves, with room for the agent.",
+        "euclidean", meaning="Distance to the goal: straight, or around all that never moves, with room."
     )
     cell: float = option(0.1, gt=0.0, unit="m", meaning="With geodesic, the cell size for distances.")
 

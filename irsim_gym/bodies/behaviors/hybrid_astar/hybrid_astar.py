@@ -27,12 +27,8 @@ class HybridAstar(RenewsGoals):
     kinematics: ClassVar[tuple[str, ...]] = ("diff", "acker")
     reads_neighbors: ClassVar[bool] = False
 
-    target_roles: Literal["all", "robot", "obstacle"] = option(
-        "all", meaning="Moving bodies that it stops for; bodies that stand are part of the map."
-    )
-    clearance: float = option(
-        0.1, gt=0.0, unit="m", meaning="Closer to obstacles than this, time costs more, up to three times as much."
-    )
+    target_roles: Literal["all", "robot", "obstacle"] = option("all", meaning="Which moving bodies it stops for.")
+    clearance: float = option(0.1, gt=0.0, unit="m", meaning="Closer to obstacles, time costs up to three times more.")
     cell: float | None = option(
         None,
         gt=0.0,

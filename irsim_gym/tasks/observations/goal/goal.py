@@ -24,9 +24,7 @@ class Goal:
     needs_goal: ClassVar[bool] = True
     needs: ClassVar[Needs] = ("odometry",)
 
-    scale: float | None = option(
-        None, gt=0.0, unit="m", meaning="Distance that reads 1; default: the world's diagonal."
-    )
+    scale: float | None = option(None, gt=0.0, unit="m", meaning="Distance that reads 1; default: world's diagonal.")
     near: float = option(1.0, gt=0.0, unit="m", meaning="Distance over which the near term falls to 1/e.")
 
     def bounds(self, term: Term, model: Model) -> tuple[Rays, Rays]:

@@ -63,9 +63,7 @@ class Route(ObservesWay):
     needs: ClassVar[Needs] = ("map_frame", "bodies")
 
     ahead: float = option(1.0, gt=0.0, unit="m", meaning="Distance of the point along the path.")
-    cell: float | None = option(
-        None, gt=0.0, unit="m", meaning="Cell size; default: 0.1 m, or a 200th of the world's longer side."
-    )
+    cell: float | None = option(None, gt=0.0, unit="m", meaning="Cell size; default: 0.1 m, or a 200th of the world.")
 
     def arrays(self, simulation: Simulation, agents: Ints) -> RouteWays:
         """Return the paths, and scratch memory."""

@@ -26,9 +26,7 @@ LINE = 1.5
 class SquareImage:
     """What square images around an agent have in common."""
 
-    pixels: int = option(
-        64, ge=8, le=1024, unit="pixel", meaning="Height and width; Stable-Baselines3 needs at least 36."
-    )
+    pixels: int = option(64, ge=8, le=1024, unit="pixel", meaning="Height and width; Stable-Baselines3 needs 36.")
     metres: float = option(8.0, gt=0.0, unit="m", meaning="Height and width of the area shown.")
     rotated: bool = option(True, meaning="The agent's heading points up; otherwise the world's y axis does.")
     goal_channel: bool = option(True, meaning="Show the next goal in a separate channel, the last one.")

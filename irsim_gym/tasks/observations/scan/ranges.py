@@ -32,9 +32,7 @@ class EncodesDepths:
     needs_goal: ClassVar[bool] = False
 
     code: Code = option("inverse", meaning="How to encode a distance; see scan.")
-    near: float = option(
-        0.5, gt=0.0, unit="m", meaning="With code inverse, the distance at which the slope is half its maximum."
-    )
+    near: float = option(0.5, gt=0.0, unit="m", meaning="With code inverse, where the slope is half its maximum.")
     zero: float = option(0.3, ge=0.0, unit="1/m", meaning="Code inverse: value of 1 / (d + near) that becomes 0.")
 
     def coded_bounds(self, far: float, width: int) -> tuple[Rays, Rays]:
