@@ -153,7 +153,7 @@ def print_options(name: str) -> None:
     chosen = [title for title, titles in names.items() if name in titles]
     if not chosen:
         near = suggestion(name, sorted({*set().union(*names.values()), *(member.family for member in every())}))
-        raise IrsimGymError(f"no section, kind or Markdown file named '{name}'{near}; `irsim-gym options` prints all")
+        raise IrsimGymError(f"no section or kind named '{name}'{near}; `irsim-gym options` prints all")
     console = Console()
     for title in chosen:
         table = Table(title=title, title_justify="left")

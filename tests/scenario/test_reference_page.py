@@ -15,10 +15,10 @@ from typer.testing import CliRunner
 
 import irsim_gym
 from irsim_gym.cli.app import app
-from irsim_gym.errors import IrsimGymError, Problem, ScenarioWarning
+from irsim_gym.errors import Problem, ScenarioWarning
 from irsim_gym.scenario import Scenario, load_scenario
 from irsim_gym.scenario.reading.notes import notes
-from irsim_gym.scenario.reference.option_tables import MARKER, markdown, rewritten
+from irsim_gym.scenario.reference.option_tables import markdown
 from irsim_gym.simulator.engine import compile
 from irsim_gym.tasks import load_task
 
@@ -27,16 +27,8 @@ PAGE = DOCS / "language.md"
 Load = Callable[[str], Scenario]
 
 
-def test_the_command_makes_the_tables_anew(tmp_path: Path) -> None:
-    page = tmp_path / "page.md"
-    page.write_text(f"# Mine\n\n{MARKER}\n\nof last year", encoding="utf-8")
-    assert CliRunner().invoke(app, ["options", str(page)]).exit_code == 0
-    text = page.read_text(encoding="utf-8")
-    assert text.startswith(f"# Mine\n\n{MARKER}\n\n### world\n")
-    assert "of last year" not in text
+def test_the_command_prints_all_tables() -> None:
     assert CliRunner().invoke(app, ["options"]).output.startswith("### world\n")
-    with pytest.raises(IrsimGymError, match="no line '<!-- Below"):
-        rewritten("# Mine")
 
 
 def test_the_example_of_the_page_runs() -> None:
