@@ -5,7 +5,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from irsim_gym.base.arraytypes import CellMaps, Floats, Ints, Point
+from irsim_gym.base.arraytypes import Cells, Floats, Ints, Point
 from irsim_gym.base.rng import uniform
 from irsim_gym.bodies.placements.free_space import is_goal_free, is_start_free
 from irsim_gym.bodies.placements.manual import put_on_start, world_box
@@ -128,7 +128,7 @@ def _beyond_the_edge(center: Floats, extent: float, model: Model) -> str | None:
 
 @kernel
 def draw_shifted(
-    worlds: Ints, members: Ints, circle: CircleTables, model: Model, state: State, cells: CellMaps | None, failed: Ints
+    worlds: Ints, members: Ints, circle: CircleTables, model: Model, state: State, cells: Cells, failed: Ints
 ) -> None:
     """Rotate the circle, then draw shifts of the start and the goal of one member after another until both are free.
 
@@ -154,9 +154,7 @@ def draw_shifted(
 
 
 @kernel
-def shift_start(
-    w: int, b: int, angle: float, circle: CircleTables, model: Model, state: State, cells: CellMaps | None
-) -> float:
+def shift_start(w: int, b: int, angle: float, circle: CircleTables, model: Model, state: State, cells: Cells) -> float:
     """Draw a pose near body b's place on the circle, facing the centre.
 
     Return the angle of the place, NaN if no free pose was found.
@@ -207,14 +205,7 @@ def faces_nobody(w: int, b: int, circle: CircleTables, model: Model, state: Stat
 
 @kernel
 def shift_goal(
-    w: int,
-    b: int,
-    members: Ints,
-    angle: float,
-    circle: CircleTables,
-    model: Model,
-    state: State,
-    cells: CellMaps | None,
+    w: int, b: int, members: Ints, angle: float, circle: CircleTables, model: Model, state: State, cells: Cells
 ) -> bool:
     """Draw a goal opposite body b's place, heading away from the centre; return whether a free one was found.
 

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from irsim_gym.base.arraytypes import CellMaps, Flags, Floats, Ints
+from irsim_gym.base.arraytypes import Cells, Flags, Floats, Ints
 from irsim_gym.base.rng import uniform
 from irsim_gym.bodies.placements import free_space
 from irsim_gym.bodies.placements.free_space import WayGrids
@@ -53,7 +53,7 @@ class DrawTables(Struct):
 
 @kernel
 def draw_members(
-    worlds: Ints, tables: DrawTables, grids: WayGrids, model: Model, state: State, cells: CellMaps | None, failed: Ints
+    worlds: Ints, tables: DrawTables, grids: WayGrids, model: Model, state: State, cells: Cells, failed: Ints
 ) -> None:
     """Place the members of each world that are not placed yet one after another, until one finds no place.
 
@@ -114,7 +114,7 @@ def put_placed(w: int, b: int, model: Model, state: State) -> None:
 
 
 @kernel
-def draw_start(w: int, b: int, tables: DrawTables, model: Model, state: State, cells: CellMaps | None) -> bool:
+def draw_start(w: int, b: int, tables: DrawTables, model: Model, state: State, cells: Cells) -> bool:
     """Draw a pose for body b that is clear of everything placed so far; return whether one was found.
 
     Reads: tables (clearance, high, is_member, low, min_distance), model (bucket_frame, disc_count, disc_start,
@@ -147,7 +147,7 @@ def draw_start(w: int, b: int, tables: DrawTables, model: Model, state: State, c
 
 @kernel
 def draw_next_goal(
-    w: int, b: int, k: int, tables: DrawTables, grids: WayGrids, model: Model, state: State, cells: CellMaps | None
+    w: int, b: int, k: int, tables: DrawTables, grids: WayGrids, model: Model, state: State, cells: Cells
 ) -> bool:
     """Draw goal k of body b, with a path from the goal before it if required; return whether one was found.
 
@@ -165,7 +165,7 @@ def draw_next_goal(
 
 
 @kernel
-def draw_goal(w: int, b: int, k: int, tables: DrawTables, model: Model, state: State, cells: CellMaps | None) -> bool:
+def draw_goal(w: int, b: int, k: int, tables: DrawTables, model: Model, state: State, cells: Cells) -> bool:
     """Draw goal k of body b, with room for its footprint; return whether one was found.
 
     Reads: tables (clearance, goal_high, goal_low, limits, members, min_distance, min_goal_distance), model (disc_count,

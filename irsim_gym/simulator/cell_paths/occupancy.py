@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from irsim_gym.base.arraytypes import BodyOutline, CellMaps, Flags, Point
+from irsim_gym.base.arraytypes import BodyOutline, Cells, Flags, Point
 from irsim_gym.base.kernels import kernel
 from irsim_gym.simulator.cell_maps.world_maps import map_of
 from irsim_gym.simulator.geometry.polygons import holds_point
@@ -48,9 +48,7 @@ def mark_touched(obstacles: Obstacles, x: float, y: float, width: float, height:
 
 
 @kernel
-def touch_cells(
-    cells: CellMaps | None, w: int, x: float, y: float, width: float, height: float, touched: Flags
-) -> None:
+def touch_cells(cells: Cells, w: int, x: float, y: float, width: float, height: float, touched: Flags) -> None:
     """Mark the cells that an occupied cell of the map of world w overlaps."""
     if cells is None:
         return

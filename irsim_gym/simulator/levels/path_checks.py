@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from irsim_gym.base.arraytypes import CellMaps, Flags, Ints
+from irsim_gym.base.arraytypes import Cells, Flags, Ints
 from irsim_gym.scenario.specs.spec import Scenario
 from irsim_gym.simulator.paths.clearance import Obstacles, mark_standing
 from irsim_gym.simulator.paths.grid import Grid
@@ -71,7 +71,7 @@ def check_ways(
     slot: int,
     ways: ReachabilityCheck,
     tables: WayTables,
-    cells: CellMaps | None,
+    cells: Cells,
     model: Model,
     state: State,
     failed: Ints,

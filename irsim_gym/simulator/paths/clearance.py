@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from irsim_gym.base.arraytypes import CellMaps, Flags, Point
+from irsim_gym.base.arraytypes import Cells, Flags, Point
 from irsim_gym.simulator.cell_maps.world_maps import capsule_meets_map, map_distance
 from irsim_gym.simulator.geometry.overlap import capsule_meets_outline, point_outline_distance
 from irsim_gym.simulator.paths.points import PointMap, capsule_meets_points, points_distance
@@ -28,7 +28,7 @@ class Obstacles(NamedTuple):
     state: State
     w: int
     blocks: Flags
-    cells: CellMaps | None
+    cells: Cells
     points: PointMap | None
 
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from irsim_gym.base.arraytypes import CellMaps, Floats, Point, Vector
+from irsim_gym.base.arraytypes import CellMaps, Cells, Floats, Point, Vector
 from irsim_gym.simulator.cell_maps.cells import cell_range
 from irsim_gym.simulator.geometry.separation import APART, Overlap, Piece, overlap
 from irsim_gym.simulator.pushing.matter import Matter
@@ -83,7 +83,7 @@ def place_pieces(w: int, slot: int, b: int, push: Pushing, matter: Matter) -> No
 
 
 @kernel
-def deepest(w: int, slot: int, a: int, b: int, push: Pushing, matter: Matter, cells: CellMaps | None) -> Overlap:
+def deepest(w: int, slot: int, a: int, b: int, push: Pushing, matter: Matter, cells: Cells) -> Overlap:
     """Return the deepest overlap of a piece of body a with one of body b, the first of equal ones.
 
     Reads: push (boxes, corners, margin, spans), matter (edge_rank, first_corner, first_piece, n_corners, rounding).

@@ -9,6 +9,7 @@ from irsim_gym.base.arraytypes import (
     MAP_FRAME,
     Bytes,
     CellMaps,
+    Cells,
     Flags,
     Floats,
     Ints,
@@ -118,7 +119,7 @@ class Model(Arrays):
     static_known: Flags = column("world", np.bool_, "", "static contacts were found, and none has to be found anew")
 
     @property
-    def cells(self) -> CellMaps | None:
+    def cells(self) -> Cells:
         """The occupancy maps of all worlds; None without one."""
         x, y, width, height, body = self.map_frame.item()
         arrays = self.map_squares, self.map_boxes, self.map_n_boxes, self.map_room, float(self.map_disc[0])

@@ -4,7 +4,7 @@ from typing import Any, ClassVar, Literal
 
 import numpy as np
 
-from irsim_gym.base.arraytypes import CellMaps, Flags, Ints
+from irsim_gym.base.arraytypes import Cells, Flags, Ints
 from irsim_gym.bodies.behaviors.hybrid_astar.drive import drive_poses
 from irsim_gym.bodies.behaviors.hybrid_astar.tables import PoseTables, forget_poses
 from irsim_gym.bodies.behaviors.pursuit.drive import is_under_way, mark_moving
@@ -61,14 +61,7 @@ class HybridAstar(RenewsGoals):
 
 @kernel
 def drive_all_poses(
-    worlds: Ints,
-    slot: int,
-    members: Ints,
-    params: Any,
-    tables: PoseTables,
-    model: Model,
-    cells: CellMaps | None,
-    state: State,
+    worlds: Ints, slot: int, members: Ints, params: Any, tables: PoseTables, model: Model, cells: Cells, state: State
 ) -> None:
     """Write the commands of the members.
 

@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 
-from irsim_gym.base.arraytypes import CellMaps, Ints, Point
+from irsim_gym.base.arraytypes import Cells, Ints, Point
 from irsim_gym.bodies.behaviors.local_planners.seen_way import find_seen_way, is_still_free, note_hit
 from irsim_gym.bodies.behaviors.local_planners.task import LocalTables
 from irsim_gym.bodies.behaviors.local_planners.way import ASTRAY, CELL, LocalWays, advance_on_way
@@ -24,7 +24,7 @@ SHARES = (1.0, 0.5, 0.0)
 
 @kernel
 def find_paths(
-    worlds: Ints, members: Ints, params: Any, scan: OwnScan, model: Model, cells: CellMaps | None, state: State,
+    worlds: Ints, members: Ints, params: Any, scan: OwnScan, model: Model, cells: Cells, state: State,
     tables: LocalTables,
 ) -> None:  # fmt: skip
     """Note what the scans show, and compute the paths of members whose goal is new or that cannot follow theirs.

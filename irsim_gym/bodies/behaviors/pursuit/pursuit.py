@@ -5,7 +5,7 @@ from typing import Any, ClassVar, Literal
 
 import numpy as np
 
-from irsim_gym.base.arraytypes import CellMaps, Flags, Ints
+from irsim_gym.base.arraytypes import Cells, Flags, Ints
 from irsim_gym.bodies.behaviors.pursuit.drive import is_under_way, mark_moving, pursue
 from irsim_gym.bodies.behaviors.pursuit.seen import pursue_seen
 from irsim_gym.bodies.behaviors.pursuit.tables import PursuitTables, forget_ways
@@ -96,14 +96,7 @@ class Pursuit(RenewsGoals):
 
 @kernel
 def pursue_known(
-    worlds: Ints,
-    slot: int,
-    members: Ints,
-    params: Any,
-    tables: PursuitTables,
-    model: Model,
-    cells: CellMaps | None,
-    state: State,
+    worlds: Ints, slot: int, members: Ints, params: Any, tables: PursuitTables, model: Model, cells: Cells, state: State
 ) -> None:
     """Write the commands of bodies that know all that stands.
 

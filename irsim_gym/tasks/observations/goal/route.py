@@ -5,7 +5,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from irsim_gym.base.arraytypes import Bytes, CellMaps, Flags, Floats, Ints, Point, Rays, Spans
+from irsim_gym.base.arraytypes import Bytes, Cells, Flags, Floats, Ints, Point, Rays, Spans
 from irsim_gym.simulator.geometry.angles import turned
 from irsim_gym.simulator.paths.clearance import Obstacles, mark_standing
 from irsim_gym.simulator.paths.geodesic import search_ways
@@ -101,9 +101,7 @@ class Route(ObservesWay):
 
 
 @kernel
-def find_ways(
-    worlds: Ints, slot: int, agents: Ints, ways: RouteWays, model: Model, cells: CellMaps | None, state: State
-) -> None:
+def find_ways(worlds: Ints, slot: int, agents: Ints, ways: RouteWays, model: Model, cells: Cells, state: State) -> None:
     """Compute the paths to new goals: the next cell and the length of the path for each free cell.
 
     Reads: ways (blocked, blocks, field, grid, queue, target), model (present, reach, stands, unobstructed), state

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from irsim_gym.base.arraytypes import Bytes, CellMaps, Floats, Ints
+from irsim_gym.base.arraytypes import Bytes, Cells, Floats, Ints
 from irsim_gym.rendering.raster.areas import add_disc
 from irsim_gym.rendering.raster.sheets import paint
 from irsim_gym.simulator.engine import Simulation
@@ -98,14 +98,7 @@ class OccupancyImage(SquareImage):
 
 @kernel
 def paint_occupied(
-    worlds: Ints,
-    slot: int,
-    term: Bound,
-    paints: Paints,
-    model: Model,
-    cells: CellMaps | None,
-    state: State,
-    image: Bytes,
+    worlds: Ints, slot: int, term: Bound, paints: Paints, model: Model, cells: Cells, state: State, image: Bytes
 ) -> None:
     """Clear the images, and paint occupied space into their first channel.
 
