@@ -103,9 +103,7 @@ def read_parameters(
         from irsim_gym.scenario.reading.parameters import BESIDE, PERTURBED, SHIELDED, is_free
     for name in parameters:
         if not is_free(name) and name not in BESIDE:
-            raise IrsimGymError(
-                f"--set: '{name}' cannot be a parameter of a scenario, because it is an argument of environments"
-            )
+            raise IrsimGymError(f"--set: '{name}' is no parameter of a scenario, but an argument of environments")
     parameters |= {SHIELDED: shield} if shield else {}
     return {**parameters, PERTURBED: "; ".join(perturbed)} if perturbed else parameters
 

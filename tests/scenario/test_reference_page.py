@@ -116,7 +116,7 @@ def test_each_row_has_all_cells() -> None:
             3,
             "a step of 5.41 m may jump over",
         ),
-        ("robot: {fov: 120, fov_radius: 3}", 1, "fov of 120"),
+        ("robot: {fov: 120, fov_radius: 3}", 1, "fov 120"),
         ("robot: {sensors: [{angle_range: 270}]}", 1, "angle_range of 270"),
         (
             "robot: {kinematics: {name: diff}, vel_max: [3, 1], goal: [5, 5]}",

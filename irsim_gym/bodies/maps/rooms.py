@@ -181,7 +181,7 @@ class RoomsMap(LevelMap):
         if self.door[1] > self.least_side:
             yield (
                 "door",
-                f"must fit into the shortest wall: at most least_side {self.least_side:g}, got {self.door[1]:g}",
+                f"must fit in the shortest wall: at most least_side {self.least_side:g}, got {self.door[1]:g}",
             )
 
     def occupied(self, width: float, height: float, name: str, find: Callable[[str], Path]) -> Flags:

@@ -3,20 +3,9 @@
 Only what several terms share.
 """
 
+from irsim_gym.base.options import kind, option
 from irsim_gym.simulator.engine import Simulation
-from irsim_gym.simulator.world.names import (
-    Floats,
-    Ints,
-    Model,
-    Rays,
-    Shard,
-    State,
-    Struct,
-    kernel,
-    kind,
-    option,
-    row_of,
-)
+from irsim_gym.simulator.world.names import Floats, Ints, Model, Rays, Shard, State, Struct, kernel, row_of
 from irsim_gym.tasks.terms.episode_state import EpisodeState
 from irsim_gym.tasks.terms.mirrored import IN_WORLD, Mirrored
 from irsim_gym.tasks.terms.outcome import Outcome

@@ -78,12 +78,7 @@ class TrainingRequest:
     @property
     def overrides(self) -> dict[str, Any]:
         """Hyper-parameters that have an option of their own."""
-        options: dict[str, Any] = {
-            "n_timesteps": self.steps,
-            "team": self.team,
-            "device": self.device,
-            "until": self.until,
-        }
+        options = {"n_timesteps": self.steps, "team": self.team, "device": self.device, "until": self.until}
         return {name: value for name, value in options.items() if value is not None}
 
     def settings(self) -> Settings:
@@ -112,7 +107,7 @@ class TrainingRequest:
         mixed_up = perception_differences({part.scenario: part.perception() for part in settings})
         if mixed_up:
             raise IrsimGymError(
-                f"one policy needs one perception, but {listed(mixed_up)}; --task lets all of them observe alike"
+                f"one policy needs one perception, but {listed(mixed_up)}; --task lets all observe alike"
             )
         pairs = zip(self.mixture, settings, strict=True)
         mixed = tuple(MixturePart(one.scenario, one.parameters, part.share) for part, one in pairs)
