@@ -7,10 +7,8 @@ import numpy as np
 
 from irsim_gym.base.arraytypes import Labels, Rays
 from irsim_gym.base.options import Bounds, Drawn
-from irsim_gym.base.rng import next_bits
 from irsim_gym.simulator.world.disturbed import Disturbed
-from irsim_gym.simulator.world.names import Group, Ints, Model, Shard, State, kernel, kind, option
-from irsim_gym.simulator.world.own_scan import OwnScan
+from irsim_gym.simulator.world.names import Group, Ints, Model, OwnScan, Shard, State, kernel, kind, next_bits, option
 
 TWO_32, TWO_31 = 2.0**32, 2**31
 PLACES = 4096

@@ -4,11 +4,9 @@ from typing import Annotated, ClassVar
 
 import numpy as np
 
-from irsim_gym.base.arraytypes import Rays
 from irsim_gym.base.options import Bounds, Drawn
 from irsim_gym.simulator.world.disturbed import Disturbed, whole_steps
-from irsim_gym.simulator.world.names import Group, Ints, Model, Shard, State, kernel, kind, option
-from irsim_gym.simulator.world.own_scan import OwnScan
+from irsim_gym.simulator.world.names import Group, Ints, Model, OwnScan, Rays, Shard, State, kernel, kind, option
 
 
 @kind

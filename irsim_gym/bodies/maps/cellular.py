@@ -4,12 +4,10 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
-from irsim_gym.base.arraytypes import CellMaps, Flags, Ints
 from irsim_gym.base.options import kind, option, unordered_ranges
-from irsim_gym.base.rng import integer, uniform
 from irsim_gym.bodies.maps.level import LevelMap, MapTables, bordered, clear_inside, share_problems
 from irsim_gym.simulator.cell_maps.world_maps import lay_cells
-from irsim_gym.simulator.world.names import State, kernel
+from irsim_gym.simulator.world.names import CellMaps, Flags, Ints, State, integer, kernel, uniform
 
 MOST_ROUNDS = 100
 """Maximum number of rounds of smoothing."""

@@ -8,8 +8,7 @@ import numpy as np
 
 from irsim_gym.base.errors import OptionError
 from irsim_gym.base.options import kind, option, unordered_ranges
-from irsim_gym.simulator.world.names import Flags, Floats, Group, Ints, Model, Shard, State, Struct, kernel
-from irsim_gym.simulator.world.outline import Outline
+from irsim_gym.simulator.world.names import Flags, Floats, Group, Ints, Model, Outline, Shard, State, Struct, kernel
 
 MOST_CELLS = 4_000_000
 """Maximum number of cells of a map that all worlds share."""

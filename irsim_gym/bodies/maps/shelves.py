@@ -6,12 +6,10 @@ from typing import Any
 
 import numpy as np
 
-from irsim_gym.base.arraytypes import CellMaps, Flags, Ints
 from irsim_gym.base.errors import OptionError
-from irsim_gym.base.rng import uniform
 from irsim_gym.bodies.maps.level import LevelMap, MapTables, bordered, clear_inside, share_problems, span
 from irsim_gym.simulator.cell_maps.world_maps import lay_cells
-from irsim_gym.simulator.world.names import State, kernel, kind, option
+from irsim_gym.simulator.world.names import CellMaps, Flags, Ints, State, kernel, kind, option, uniform
 
 
 @kernel

@@ -6,10 +6,9 @@ from typing import ClassVar
 import numpy as np
 
 from irsim_gym.base.arraytypes import Cells, Floats, Ints, Point
-from irsim_gym.base.rng import uniform
 from irsim_gym.bodies.placements.free_space import is_goal_free, is_start_free
 from irsim_gym.bodies.placements.manual import put_on_start, world_box
-from irsim_gym.simulator.world.names import Group, Model, Shard, State, Struct, kernel, kind, option, row_of
+from irsim_gym.simulator.world.names import Group, Model, Shard, State, Struct, kernel, kind, option, row_of, uniform
 from irsim_gym.simulator.world.outline import place_outline
 
 MARGIN = 0.5

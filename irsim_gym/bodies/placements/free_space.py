@@ -15,9 +15,8 @@ from irsim_gym.simulator.paths.geodesic import shortest_path
 from irsim_gym.simulator.paths.grid import Grid, Search
 from irsim_gym.simulator.paths.pulling import path_length
 from irsim_gym.simulator.paths.regions import WayTables, of_slot, way_exists, way_tables
-from irsim_gym.simulator.world.model import KEEP_GOAL, WANDER, Model
-from irsim_gym.simulator.world.names import State, kernel, option, row_of
-from irsim_gym.simulator.world.outline import outline_of
+from irsim_gym.simulator.world.model import KEEP_GOAL, WANDER
+from irsim_gym.simulator.world.names import Model, State, kernel, option, outline_of, row_of
 
 
 class WayGrids(NamedTuple):

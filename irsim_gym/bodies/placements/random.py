@@ -5,14 +5,13 @@ from typing import ClassVar
 
 import numpy as np
 
-from irsim_gym.base.arraytypes import Pose
 from irsim_gym.base.options import crossed_bounds, kind, option
 from irsim_gym.bodies.placements.free_space import confirm_ways, length_option, length_problems, way_grids
 from irsim_gym.bodies.placements.manual import world_box
 from irsim_gym.bodies.placements.random_draws import DrawTables, draw_members
 from irsim_gym.bodies.placements.several_goals import goals_option, misfit_of_goals
 from irsim_gym.simulator.paths.grid import Grid
-from irsim_gym.simulator.world.names import Floats, Group, Ints, Model, Shard, State
+from irsim_gym.simulator.world.names import Floats, Group, Ints, Model, Pose, Shard, State
 
 MARGIN = 0.5
 """Distance of the default bounds from the edge of the world [m]."""

@@ -2,12 +2,10 @@
 
 from dataclasses import dataclass
 
-from irsim_gym.base.arraytypes import Cells, Flags, Floats, Ints
-from irsim_gym.base.rng import uniform
 from irsim_gym.bodies.placements import free_space
 from irsim_gym.bodies.placements.free_space import WayGrids
 from irsim_gym.simulator.geometry.buckets import bucket_of, gather_nearby, put
-from irsim_gym.simulator.world.names import Model, State, Struct, kernel, row_of
+from irsim_gym.simulator.world.names import Cells, Flags, Floats, Ints, Model, State, Struct, kernel, row_of, uniform
 from irsim_gym.simulator.world.outline import place_outline
 
 START_TRIES = 1000

@@ -6,8 +6,7 @@ import numpy as np
 
 from irsim_gym.base.options import defaults, kind, option
 from irsim_gym.bodies.sensors import hits, reports, scanning
-from irsim_gym.simulator.world.names import Group, Model, Shard, State
-from irsim_gym.simulator.world.outline import Outline
+from irsim_gym.simulator.world.names import Group, Model, Outline, Shard, State
 
 
 @kind

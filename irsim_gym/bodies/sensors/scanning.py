@@ -5,7 +5,6 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from irsim_gym.base.arraytypes import Pose
 from irsim_gym.bodies.sensors import hits, noise
 from irsim_gym.bodies.sensors.casting import cast_bodies, cast_discs, cast_segments
 from irsim_gym.bodies.sensors.cell_scan import scan_cells
@@ -15,8 +14,7 @@ from irsim_gym.simulator.cell_maps.cell_rays import N_FLOATS, N_INTEGERS
 from irsim_gym.simulator.geometry.polygons import contains_point
 from irsim_gym.simulator.geometry.ray_chunks import BLOCK, CHUNK, DISCS, ROUNDS, SIDES, Eye
 from irsim_gym.simulator.world.arrays import aligned
-from irsim_gym.simulator.world.names import Floats, Group, Model, Rays, Shard, State, kind, option
-from irsim_gym.simulator.world.outline import Outline
+from irsim_gym.simulator.world.names import Floats, Group, Model, Outline, Pose, Rays, Shard, State, kind, option
 
 FULL_TURN = 2.0 * np.pi
 

@@ -5,12 +5,12 @@ from typing import Any, ClassVar, Literal
 
 import numpy as np
 
-from irsim_gym.base.arraytypes import Floats, Pose
 from irsim_gym.base.options import defaults, kind, option
 from irsim_gym.bodies.shapes.circle import Circle
 from irsim_gym.bodies.shapes.polygon import flaw_of
 from irsim_gym.bodies.shapes.rectangle import Rectangle
-from irsim_gym.simulator.world.outline import CIRCLE_CORNERS, Outline, chain
+from irsim_gym.simulator.world.names import Floats, Outline, Pose, chain
+from irsim_gym.simulator.world.outline import CIRCLE_CORNERS
 
 KEYS = {"circle": ("radius", "center"), "rectangle": ("length", "width"), "polygon": ("vertices",)}
 """Options of each shape of a part."""

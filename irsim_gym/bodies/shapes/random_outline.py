@@ -5,11 +5,8 @@ from typing import Any
 
 import numpy as np
 
-from irsim_gym.base.arraytypes import Floats, Ints, Words
 from irsim_gym.base.options import kind, option, unordered_ranges
-from irsim_gym.base.rng import integer, normal, uniform
-from irsim_gym.simulator.world.names import Model, State, kernel
-from irsim_gym.simulator.world.outline import chain
+from irsim_gym.simulator.world.names import Floats, Ints, Model, State, Words, chain, integer, kernel, normal, uniform
 
 STEP_TRIES = 32
 """Maximum number of draws of the angles between vertices."""

@@ -8,7 +8,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from irsim_gym.base.arraytypes import Cells, Flags, Floats, Ints
 from irsim_gym.base.errors import ScenarioError
 from irsim_gym.scenario.specs.spec import Scenario
 from irsim_gym.simulator.cell_maps.world_maps import capsule_meets_map, outline_map_distance
@@ -17,7 +16,7 @@ from irsim_gym.simulator.geometry.angles import wrap, wrap_from
 from irsim_gym.simulator.geometry.overlap import capsule_meets_outline, outline_distance
 from irsim_gym.simulator.geometry.segments import point_segment_distance2
 from irsim_gym.simulator.world.model import ROBOT, STOP, UNOBSTRUCTED_OBSTACLES, Model
-from irsim_gym.simulator.world.names import Shard, State, Struct, kernel, row_of
+from irsim_gym.simulator.world.names import Cells, Flags, Floats, Ints, Shard, State, Struct, kernel, row_of
 from irsim_gym.simulator.world.outline import outline_of, place_outline
 
 HALVINGS = 53

@@ -17,13 +17,11 @@ from typing import NamedTuple, Self
 
 import numpy as np
 
-from irsim_gym.base.arraytypes import BodyOutline, Bytes, Cells, Floats, Ints, Point
-from irsim_gym.base.kernels import kernel
 from irsim_gym.simulator.cell_maps.world_maps import map_of
 from irsim_gym.simulator.geometry.polygons import holds_point
 from irsim_gym.simulator.paths.clearance import Obstacles
 from irsim_gym.simulator.paths.points import BLOCK, PointMap
-from irsim_gym.simulator.world.outline import outline_of
+from irsim_gym.simulator.world.names import BodyOutline, Bytes, Cells, Floats, Ints, Point, kernel, outline_of
 
 FREE, BLOCKED = np.uint8(0), np.uint8(1)
 """Whether a cell is blocked."""

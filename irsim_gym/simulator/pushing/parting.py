@@ -2,14 +2,13 @@
 
 import numpy as np
 
-from irsim_gym.base.arraytypes import Cells, Ints, Vector
 from irsim_gym.simulator.geometry.separation import Overlap
 from irsim_gym.simulator.pushing.candidates import SLOP, find_pairs
 from irsim_gym.simulator.pushing.matter import Matter, inverse_inertia
 from irsim_gym.simulator.pushing.memory import BLOCKERS, BOUNCES, PAIRS, SEARCHES, Pushing
 from irsim_gym.simulator.pushing.outcome import note_forces, note_times, write_motions
 from irsim_gym.simulator.pushing.pieces import begin_motion, deepest, push_body
-from irsim_gym.simulator.world.names import Model, State, kernel
+from irsim_gym.simulator.world.names import Cells, Ints, Model, State, Vector, kernel
 
 SWEEPS = 32
 TINY = 1e-12

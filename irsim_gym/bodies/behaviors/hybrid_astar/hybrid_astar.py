@@ -4,14 +4,13 @@ from typing import Any, ClassVar, Literal
 
 import numpy as np
 
-from irsim_gym.base.arraytypes import Cells, Flags, Ints
 from irsim_gym.bodies.behaviors.hybrid_astar.drive import drive_poses
 from irsim_gym.bodies.behaviors.hybrid_astar.tables import PoseTables, forget_poses
 from irsim_gym.bodies.behaviors.pursuit.drive import is_under_way, mark_moving
 from irsim_gym.bodies.behaviors.shared.steering import clear_command
 from irsim_gym.scenario.specs.wander_goals import RenewsGoals
 from irsim_gym.simulator.paths.clearance import Obstacles, mark_standing
-from irsim_gym.simulator.world.names import Group, Model, Shard, State, kernel, kind, option
+from irsim_gym.simulator.world.names import Cells, Flags, Group, Ints, Model, Shard, State, kernel, kind, option
 
 
 @kind

@@ -5,15 +5,13 @@ from typing import ClassVar, NamedTuple
 
 import numpy as np
 
-from irsim_gym.base.arraytypes import Cells, Floats, Ints, Rays
 from irsim_gym.simulator.cell_maps.cells import segment_cells_distance
 from irsim_gym.simulator.cell_maps.world_maps import map_of
-from irsim_gym.simulator.world.rows import row_of
+from irsim_gym.simulator.world.names import Cells, Floats, Ints, Model, Rays, Shard, State, Struct, kernel, kind, row_of
 from irsim_gym.tasks.observations.bodies.nearest_bodies import span
 from irsim_gym.tasks.observations.scan.free_travel import ObservesTravel, directions, shorten, way_columns
 from irsim_gym.tasks.observations.scan.ranges import encode, range_code
-from irsim_gym.tasks.terms import Columns, EpisodeState, Model, Shard, Simulation, State, Struct, kernel, kind
-from irsim_gym.tasks.terms.term import Bound, Needs, Term
+from irsim_gym.tasks.terms import Bound, Columns, EpisodeState, Needs, Simulation, Term
 
 NEAR_ENOUGH = 0.01
 """Gap [m] below which a disc counts as touching a map's occupied cells."""

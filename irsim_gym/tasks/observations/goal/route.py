@@ -11,12 +11,9 @@ from irsim_gym.simulator.paths.clearance import Obstacles, mark_standing
 from irsim_gym.simulator.paths.geodesic import search_ways
 from irsim_gym.simulator.paths.grid import Grid, Search, centre
 from irsim_gym.simulator.paths.spread import PARENT
-from irsim_gym.simulator.world.rows import row_of
+from irsim_gym.simulator.world.names import Model, Shard, State, Struct, kernel, kind, option, row_of
 from irsim_gym.tasks.observations.seen_map.way_columns import ObservesWay, way_columns, write_direction
-from irsim_gym.tasks.terms import EpisodeState, Model, Shard, Simulation, State, Struct, kernel, kind, option
-from irsim_gym.tasks.terms.scaling import diagonal, unit
-from irsim_gym.tasks.terms.term import Bound, Needs, Term, forget
-from irsim_gym.tasks.terms.words import Columns
+from irsim_gym.tasks.terms import Bound, Columns, EpisodeState, Needs, Simulation, Term, diagonal, forget, unit
 
 CELL = 0.1
 """Default cell size [m], if the world is small enough."""

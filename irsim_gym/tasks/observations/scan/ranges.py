@@ -4,10 +4,9 @@ from typing import Any, ClassVar, Literal, NamedTuple, Self, get_args
 
 import numpy as np
 
-from irsim_gym.simulator.world.group import Group
+from irsim_gym.simulator.world.names import Group
 from irsim_gym.tasks.observations.scan.blind_sensor import blind_sensors
-from irsim_gym.tasks.terms import Ints, Rays, Simulation, kernel, kind, option
-from irsim_gym.tasks.terms.graph import Value
+from irsim_gym.tasks.terms import Ints, Rays, Simulation, Value, kernel, kind, option
 
 Code = Literal["inverse", "linear"]
 INVERSE, LINEAR = 0, 1
