@@ -95,7 +95,7 @@ def test_a_run_ends_at_a_success_and_goes_on_after_its_end(
     assert not torch.equal(before, torch.cat([value.flatten() for value in weights(run).values()]))
     run.policy.unlink()
     assert command(monkeypatch, *resume, "--more-steps", 64) == 1
-    assert "continue it with --resume alone" in capsys.readouterr().err
+    assert "go on with --resume alone" in capsys.readouterr().err
     assert command(monkeypatch, *tiny, "--until", 98, "--dev-levels", 0, "--overwrite") == 1
     assert "--dev-levels must be at least 1" in capsys.readouterr().err
 

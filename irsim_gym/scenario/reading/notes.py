@@ -137,7 +137,7 @@ def _view_notes(scenario: Scenario) -> Iterator[Problem]:
             for width in value if isinstance(value, list) else [value]:
                 if width is not None and width > LARGEST_ANGLE:
                     yield scenario.source.problem(
-                        (*entry.place, "fov"), f"fov of {width:g} is more than a turn: {DEGREES}"
+                        (*entry.place, "fov"), f"fov {width:g} is more than a turn: {DEGREES}"
                     )
 
 

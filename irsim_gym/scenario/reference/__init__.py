@@ -1,4 +1,4 @@
-"""Tables, schemas and summaries of the language, from its declarations.
+"""Tables and summaries of the language, from its declarations.
 
 Nothing is stated here a second time.
 """

@@ -132,9 +132,7 @@ def check_shield(scenario: Scenario, agents: Sequence[int], merged: Merged) -> N
         if not any(sensor.reading == "ranges" for sensor in body.sensors):
             problem = "has a shield and no range sensor; add sensors: [{name: lidar2d}] to it"
         elif any(low > 0.0 for low in body.vel_min) or any(high < 0.0 for high in body.vel_max):
-            problem = (
-                f"has a shield and cannot stand still: vel_min is {show(body.vel_min)}, vel_max {show(body.vel_max)}"
-            )
+            problem = f"has a shield and cannot stand: vel_min is {show(body.vel_min)}, vel_max {show(body.vel_max)}"
         elif not hasattr(type(body.kinematics), "drive"):
             problem = "has a shield, which does not know how its drive moves"
         else:
