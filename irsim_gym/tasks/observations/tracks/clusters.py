@@ -45,7 +45,8 @@ def join_beams(ranges: Rays, least: float, most: float, spacing: float, noise: f
     for i in range(n_beams):
         near, far = min(ranges[i - 1], ranges[i]), max(ranges[i - 1], ranges[i])
         jump = max(far - near - 3.0 * noise, 0.0)
-        is_close = jump * jump <= step * near or (flat[i - 1] and flat[i])
+        is_straight = (flat[i - 1] and (flat[i - 2] or flat[i])) or (flat[i] and flat[(i + 1) % n_beams])
+        is_close = jump * jump <= step * near or is_straight
         joined[0, i] = is_close and least < near and far < most and (i > 0 or closes)
 
 

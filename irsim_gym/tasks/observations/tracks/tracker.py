@@ -201,7 +201,7 @@ def follow(w: int, a: int, step: int, slot: int, n_clusters: int, dt: float, tra
             if one.score < PROOFS:
                 one.used = one.lost < 2.5 * dt
             else:
-                one.lost += 2.0 * dt if look(w, a, step, one.x, one.y, tracker) > 3.0 * MARGIN - one.radius else 0.0
+                one.lost += 2.0 * dt if look(w, a, step, one.x, one.y, tracker) > MARGIN - one.radius else 0.0
                 one.used = one.lost < tracker.keep
     for c in range(n_clusters):
         if clusters[c].track < 0:
@@ -269,7 +269,7 @@ def measure(one: Any, points: Floats, eye: Floats, a: int, tracker: Tracker) -> 
 
 @kernel
 def look(w: int, a: int, step: int, x: float, y: float, tracker: Tracker) -> float:
-    """Return how much farther than a point both beams beside it reached in an earlier step [m]; -9 without beams."""
+    """Return how far beyond a point, and a margin, both beams beside it reached in an earlier step [m]; -9 without beams."""
     row, s = step % tracker.scans.shape[2], tracker.scan.sensors[a]
     eye, ranges = tracker.eyes[w, a, row], tracker.scans[w, a, row]
     dx, dy = x - eye[0], y - eye[1]
@@ -277,7 +277,8 @@ def look(w: int, a: int, step: int, x: float, y: float, tracker: Tracker) -> flo
     first = int((place if place >= 0.0 else place + TURN) / tracker.spacing)
     if first >= ranges.shape[0] - 1:
         return -9.0
-    return min(ranges[first], ranges[first + 1]) - np.sqrt(dx * dx + dy * dy)
+    away = np.sqrt(dx * dx + dy * dy)
+    return min(ranges[first], ranges[first + 1]) - away - MARGIN - 3.0 * tracker.noise[a] - away * tracker.spacing
 
 
 @kernel
@@ -290,15 +291,16 @@ def judge(w: int, a: int, step: int, one: Any, points: Floats, dt: float, tracke
     if one.score >= PROOFS or pace < SLOWEST:
         one.score = one.score if one.score >= PROOFS else max(one.score - 1, 0)
         return
-    margin, middle, last = MARGIN + 3.0 * tracker.noise[a], points.shape[1] // 2, points.shape[1] - 1
+    middle, last = points.shape[1] // 2, points.shape[1] - 1
     back = min(max(int(SHIFT / (pace * dt) + 0.5), 1), step, tracker.scans.shape[2] - 1)
-    enters = True
-    for k in (0, middle, last):
-        free = look(w, a, step - back, points[0, k], points[1, k], tracker)
-        enters = enters and free > margin
-    x, y = points[0, middle] - back * dt * one.vx, points[1, middle] - back * dt * one.vy
-    leaves = look(w, a, step, x, y, tracker) > margin and abs(look(w, a, step - back, x, y, tracker)) < margin
-    one.score += 1 if enters or leaves else -min(one.score, 1)
+    moves = False
+    for ago in (back, (back + 1) // 2):
+        for k in (0, middle, last):
+            moves = moves or look(w, a, step - ago, points[0, k], points[1, k], tracker) > 0.0
+        x, y = points[0, middle] - ago * dt * one.vx, points[1, middle] - ago * dt * one.vy
+        was = look(w, a, step - ago, x, y, tracker)
+        moves = moves or (look(w, a, step, x, y, tracker) > 0.0 and -2.0 * MARGIN < was < 0.0)
+    one.score += 1 if moves else -min(one.score, 1)
 
 
 @kernel
