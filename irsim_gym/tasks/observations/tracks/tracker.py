@@ -185,14 +185,18 @@ def follow(w: int, a: int, step: int, slot: int, n_clusters: int, dt: float, tra
         if tracks[t].used:
             predict(tracks[t], dt, tracker.accel)
             tracks[t].cluster = nearest_cluster(tracks[t], clusters, n_clusters)
+            if tracks[t].score >= PROOFS and tracks[t].cluster >= 0:
+                n_clusters = claim(t, tracks, clusters, n_clusters, tracker.points[slot, 1])
     for t in range(tracks.shape[0]):
         one = tracks[t]
         if not one.used:
             continue
-        if one.cluster >= 0 and nearest_track(one.cluster, tracks, clusters) != t:
-            one.cluster = -1
+        if one.cluster >= 0 and one.score < PROOFS:
+            if clusters[one.cluster].track < 0 and nearest_track(one.cluster, tracks, clusters) == t:
+                clusters[one.cluster].track = t
+            else:
+                one.cluster = -1
         if one.cluster >= 0:
-            clusters[one.cluster].track = t
             points = tracker.points[slot, 1, :, clusters[one.cluster].first : clusters[one.cluster].last]
             measure(one, points, eye, a, tracker)
             judge(w, a, step, one, points, dt, tracker)
@@ -238,14 +242,51 @@ def nearest_cluster(one: Any, clusters: Records, n_clusters: int) -> int:
 
 @kernel
 def nearest_track(c: int, tracks: Records, clusters: Records) -> int:
-    """Return the track nearest to a cluster among those whose nearest it is; those that are known to move first."""
+    """Return the track nearest to a cluster among those whose nearest it is."""
     least, found = np.inf, -1
     for t in range(tracks.shape[0]):
         if tracks[t].used and tracks[t].cluster == c:
-            square = apart(tracks[t], clusters[c]) + (0.0 if tracks[t].score >= PROOFS else 1.0)
+            square = apart(tracks[t], clusters[c])
             if square < least:
                 least, found = square, t
     return found
+
+
+@kernel
+def claim(t: int, tracks: Records, clusters: Records, n_clusters: int, points: Floats) -> int:
+    """Give a moving track its nearest cluster, and return the number of clusters.
+
+    Of a cluster that another one has claimed it gets the points that are nearer to its own edge, as a new cluster.
+    """
+    whole = clusters[tracks[t].cluster]
+    if whole.track < 0:
+        whole.track = t
+        return n_clusters
+    middle = whole.last
+    k, other = whole.first, tracks[whole.track]
+    while k < middle:
+        if from_edge(tracks[t], points, k) < from_edge(other, points, k):
+            middle -= 1
+            for axis in range(2):
+                points[axis, k], points[axis, middle] = points[axis, middle], points[axis, k]
+        else:
+            k += 1
+    tracks[t].cluster = -1
+    if middle < whole.last and n_clusters < clusters.shape[0]:
+        part = clusters[n_clusters]
+        part.x, part.y, part.first, part.last, part.track = tracks[t].x, tracks[t].y, middle, whole.last, t
+        whole.last, tracks[t].cluster = middle, n_clusters
+        n_clusters += 1
+    if whole.first == whole.last:
+        other.cluster = -1
+    return n_clusters
+
+
+@kernel
+def from_edge(one: Any, points: Floats, k: int) -> float:
+    """Return the distance of a point from the edge of a track's disc [m]."""
+    dx, dy = points[0, k] - one.x, points[1, k] - one.y
+    return abs(np.sqrt(dx * dx + dy * dy) - one.radius)
 
 
 @kernel
