@@ -17,6 +17,8 @@ ANCHOR = 1.0 / 0.3**2
 """Weight of the expected centre [1/m2]: it decides only what a cluster of one or two points leaves open."""
 SMALLEST, WIDEST = 0.05, 0.6
 """Bounds of the radius of a disc [m]."""
+DRIFT = 0.005**2
+"""How much the variance of a radius grows with each scan [m2]: what was fitted to the points of two may be one again."""
 ROUNDS = 3
 
 
@@ -128,4 +130,5 @@ def fit_disc(
         cx, cy = cx - sx, cy - sy
         r = min(max(r - (gr - bx * sx - by * sy) / rr, SMALLEST), WIDEST)
         left = 1.0 / rr + (bx * bx * yy - 2.0 * bx * by * xy + by * by * xx) / (whole * rr * rr)
-    return cx, cy, r, left, noise + misfit / n
+    doubt = noise + misfit / n
+    return cx, cy, r, min(left * doubt / noise, spread) + DRIFT, doubt
