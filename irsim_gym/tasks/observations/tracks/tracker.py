@@ -329,21 +329,18 @@ def judge(w: int, a: int, step: int, one: Any, points: Floats, dt: float, tracke
     A track of which that is known is not judged again. The points are those of its cluster, ``(2, n)``.
     """
     pace = np.sqrt(one.vx * one.vx + one.vy * one.vy)
-    if one.score >= PROOFS or pace < SLOWEST:
+    if one.score >= PROOFS or pace < SLOWEST or points.shape[1] == 1:
         one.score = one.score if one.score >= PROOFS else max(one.score - 1, 0)
         return
     middle, last = points.shape[1] // 2, points.shape[1] - 1
     back = min(max(int(SHIFT / (pace * dt) + 0.5), 1), step, tracker.scans.shape[2] - 1)
     moves = False
     for ago in (back, (back + 1) // 2):
-        leaves = True
         for k in (0, middle, last):
-            x, y = points[0, k], points[1, k]
-            moves = moves or look(w, a, step - ago, x, y, tracker) > 0.0
-            x, y = x - ago * dt * one.vx, y - ago * dt * one.vy
-            leaves = leaves and look(w, a, step, x, y, tracker) > 0.0
-            leaves = leaves and -2.0 * MARGIN < look(w, a, step - ago, x, y, tracker) < 0.0
-        moves = moves or leaves
+            moves = moves or look(w, a, step - ago, points[0, k], points[1, k], tracker) > 0.0
+        x, y = points[0, middle] - ago * dt * one.vx, points[1, middle] - ago * dt * one.vy
+        was = look(w, a, step - ago, x, y, tracker)
+        moves = moves or (look(w, a, step, x, y, tracker) > 0.0 and -2.0 * MARGIN < was < 0.0)
     one.score += 1 if moves else -min(one.score, 1)
 
 
