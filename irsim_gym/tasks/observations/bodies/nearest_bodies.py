@@ -322,7 +322,10 @@ def write_motions(w: int, body: int, slot: int, nearest: Nearest, speed: float, 
     for k in range(nearest.distance.shape[1]):
         b, vx, vy = nearest.body[slot, k], 0.0, 0.0
         if b >= 0:
-            vx, vy = moving(w, b, 0, state) - moving(w, body, 0, state), moving(w, b, 1, state) - moving(w, body, 1, state)
+            vx, vy = (
+                moving(w, b, 0, state) - moving(w, body, 0, state),
+                moving(w, b, 1, state) - moving(w, body, 1, state),
+            )
         way = nearest.way_x[slot, k], nearest.way_y[slot, k]
         write_motion(way, (vx, vy), (cosine, sine), speed, row[WIDTH * k : WIDTH * (k + 1)])
 

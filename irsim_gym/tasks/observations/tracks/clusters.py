@@ -18,12 +18,14 @@ ANCHOR = 1.0 / 0.3**2
 SMALLEST, WIDEST = 0.05, 0.6
 """Bounds of the radius of a disc [m]."""
 DRIFT = 0.005**2
-"""How much the variance of a radius grows with each scan [m2]: what was fitted to the points of two may be one again."""
+"""How much the variance of a radius grows with each scan [m2]: points of two bodies may have been fitted as one."""
 ROUNDS = 3
 
 
 @kernel
-def join_beams(ranges: Rays, least: float, most: float, spacing: float, noise: float, closes: bool, joined: Flags) -> None:
+def join_beams(
+    ranges: Rays, least: float, most: float, spacing: float, noise: float, closes: bool, joined: Flags
+) -> None:
     """Write whether each beam hits the same surface as the one before it; the first one follows the last.
 
     Args:

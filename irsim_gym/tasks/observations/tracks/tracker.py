@@ -2,18 +2,20 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, Self
+from typing import Any, ClassVar, Self
 
 import numpy as np
 
 from irsim_gym.base.arraytypes import Flags, Floats, Ints, Labels, Rays, Records
 from irsim_gym.base.kernels.structs import record_type
+from irsim_gym.base.options import option_fields
 from irsim_gym.simulator.engine.own_scans import own_scan
 from irsim_gym.simulator.geometry.angles import TURN, nearly_arctan2, wrap
 from irsim_gym.simulator.world.own_scan import OwnScan
-from irsim_gym.tasks.observations.scan.ranges import shared_sensors
+from irsim_gym.tasks.observations.scan.ranges import WITHOUT_SENSOR, shared_sensors
 from irsim_gym.tasks.observations.tracks.clusters import CLUSTER, find_clusters, fit_disc, join_beams
-from irsim_gym.tasks.terms import EpisodeState, Model, Simulation, State, Struct, Term, kernel
+from irsim_gym.tasks.terms import EpisodeState, Model, Shard, Simulation, State, Struct, Term, kernel, kind, option
+from irsim_gym.tasks.terms.term import Needs
 
 TRACK = record_type("x y vx vy radius spread place both speed lost", score=np.int64, cluster=np.int64, used=np.bool_)
 """A disc: centre [m], velocity [m/s], radius [m] and its variance; variances of each coordinate of place and speed and
@@ -36,6 +38,44 @@ UNSURE = 0.002
 """Deviation of readings without noise, and of discs from what bodies are [m]."""
 RADIUS, SPREAD, PACE = 0.3, 0.1, 1.0
 """Radius [m], its deviation [m] and the deviation of each component of the velocity [m/s] of a new track."""
+
+
+@kind
+class FollowsTracks:
+    """The options of observations that follow tracks."""
+
+    needs: ClassVar[Needs] = ("scan", "odometry")
+
+    size: float = option(1.2, gt=0.0, unit="m", meaning="Wider clusters stand.")
+    accel: float = option(1.5, gt=0.0, unit="m/s2", meaning="Deviation of the bodies' accelerations.")
+    keep: float = option(1.0, ge=0.0, unit="s", meaning="How long a body is followed that is no longer seen.")
+    without_sensor: str | tuple[str, ...] = WITHOUT_SENSOR
+
+    def substitute(self, kind: type) -> Any:
+        """Return an observation of what a robot without a sensor is told, with the same options, as far as it has them.
+
+        Args:
+            kind: A kind of observation.
+        """
+        known = option_fields(kind)
+        told = {key: getattr(self, key) for key in option_fields(type(self)) if key in known}
+        return kind(**told, **({"moving": True} if "moving" in known else {}))
+
+    def join(self, term: Term, earlier: Sequence[Term]) -> None:
+        """Share the tracks of an earlier observation that follows them alike."""
+        for other in earlier:
+            if isinstance(other.options, FollowsTracks) and other.options.follows == self.follows:
+                term.arrays.tracker = other.arrays.tracker
+
+    @property
+    def follows(self) -> tuple[float, float, float]:
+        """The options that tracks depend on."""
+        return self.size, self.accel, self.keep
+
+    @staticmethod
+    def begin(term: Term, model: Model, state: State, episode: EpisodeState, shard: Shard) -> None:
+        """Delete the tracks."""
+        forget_tracks(shard.worlds, term.arrays.tracker, episode)
 
 
 @dataclass
@@ -76,11 +116,11 @@ class Tracker(Struct):
     clusters: Records
 
     @classmethod
-    def over(cls, term: Any, simulation: Simulation, agents: Ints, name: str) -> Self:
+    def over(cls, options: FollowsTracks, simulation: Simulation, agents: Ints, name: str) -> Self:
         """Return a tracker that has seen nothing yet.
 
         Args:
-            term: An observation with the options ``size``, ``accel`` and ``keep``.
+            options: The options of an observation.
             simulation: The simulation.
             agents: Body of each learner, shape ``(n_agents,)``.
             name: Name of the observation.
@@ -97,9 +137,9 @@ class Tracker(Struct):
             noise=np.array([getattr(s, "std", 0.0) if getattr(s, "noise", False) else 0.0 for s in sensors]),
             spacing=spacing,
             closes=spacing * (n_beams + 0.5) > 2.0 * np.pi,
-            size=term.size,
-            accel=term.accel,
-            keep=term.keep,
+            size=options.size,
+            accel=options.accel,
+            keep=options.keep,
             tracks=np.zeros((*shape, SLOTS), TRACK),
             noted=np.full(shape, -1, np.int32),
             scans=np.zeros((*shape, kept, n_beams), np.float32),
@@ -108,15 +148,6 @@ class Tracker(Struct):
             points=np.zeros((n_slots, 2, 2, n_beams)),
             clusters=np.zeros((n_slots, n_beams), CLUSTER),
         )
-
-
-def shared_tracker(tracker: Tracker, earlier: Sequence[Term]) -> Tracker:
-    """Return the tracks of an earlier term of the task that follows them alike, to share them; else the own ones."""
-    for term in earlier:
-        other = getattr(term.arrays, "tracker", None)
-        if isinstance(other, Tracker) and (other.size, other.accel, other.keep) == (tracker.size, tracker.accel, tracker.keep):
-            return other
-    return tracker
 
 
 @kernel
@@ -131,7 +162,9 @@ def forget_tracks(worlds: Ints, tracker: Tracker, episode: EpisodeState) -> None
 
 
 @kernel
-def follow_all(worlds: Ints, slot: int, agents: Ints, tracker: Tracker, model: Model, state: State, episode: EpisodeState) -> None:
+def follow_all(
+    worlds: Ints, slot: int, agents: Ints, tracker: Tracker, model: Model, state: State, episode: EpisodeState
+) -> None:
     """Bring the tracks up to the latest scans, unless they are."""
     dt = model.step_time[0]
     for w in worlds:
@@ -303,14 +336,19 @@ def measure(one: Any, points: Floats, eye: Floats, a: int, tracker: Tracker) -> 
     one.x, one.y, one.radius, one.spread = one.x + grown * dx, one.y + grown * dy, radius, spread
     gain, rate = one.place / (one.place + doubt), one.both / (one.place + doubt)
     off_x, off_y = x - one.x, y - one.y
-    one.x, one.y, one.vx, one.vy = one.x + gain * off_x, one.y + gain * off_y, one.vx + rate * off_x, one.vy + rate * off_y
+    one.x, one.y, one.vx, one.vy = (
+        one.x + gain * off_x,
+        one.y + gain * off_y,
+        one.vx + rate * off_x,
+        one.vy + rate * off_y,
+    )
     one.speed -= rate * one.both
     one.place, one.both, one.lost = (1.0 - gain) * one.place, (1.0 - gain) * one.both, 0.0
 
 
 @kernel
 def look(w: int, a: int, step: int, x: float, y: float, tracker: Tracker) -> float:
-    """Return how far beyond a point, and a margin, both beams beside it reached in an earlier step [m]; -9 without beams."""
+    """Return how far beyond a point, and a margin, both beams beside it reached in a step [m]; -9 without beams."""
     row, s = step % tracker.scans.shape[2], tracker.scan.sensors[a]
     eye, ranges = tracker.eyes[w, a, row], tracker.scans[w, a, row]
     dx, dy = x - eye[0], y - eye[1]
@@ -362,4 +400,12 @@ def begin(cluster: Any, eye: Floats, slot: int, a: int, tracks: Records, tracker
     noise = UNSURE * UNSURE + tracker.noise[a] ** 2
     x, y, radius, spread, doubt = fit_disc(points, cluster.x, cluster.y, RADIUS, SPREAD * SPREAD, noise)
     one.x, one.y, one.vx, one.vy, one.radius, one.spread = x, y, 0.0, 0.0, radius, spread
-    one.place, one.both, one.speed, one.lost, one.score, one.cluster, one.used = doubt, 0.0, PACE * PACE, 0.0, 0, -1, True
+    one.place, one.both, one.speed, one.lost, one.score, one.cluster, one.used = (
+        doubt,
+        0.0,
+        PACE * PACE,
+        0.0,
+        0,
+        -1,
+        True,
+    )

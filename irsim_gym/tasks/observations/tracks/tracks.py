@@ -1,8 +1,6 @@
 """Tracks: moving bodies around an agent, as its own scans show them."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import ClassVar
 
 import numpy as np
 
@@ -17,10 +15,8 @@ from irsim_gym.tasks.observations.bodies.nearest_bodies import (
     write_gaps,
     write_motion,
 )
-from irsim_gym.tasks.observations.scan.ranges import WITHOUT_SENSOR
-from irsim_gym.tasks.observations.tracks.tracker import PROOFS, Tracker, follow_all, forget_tracks, shared_tracker
-from irsim_gym.tasks.terms import Bound, EpisodeState, Model, Shard, Simulation, State, Struct, Term, kernel, kind, option
-from irsim_gym.tasks.terms.term import Needs
+from irsim_gym.tasks.observations.tracks.tracker import PROOFS, FollowsTracks, Tracker, follow_all
+from irsim_gym.tasks.terms import Bound, EpisodeState, Model, Shard, Simulation, State, Struct, Term, kernel, kind
 
 
 @dataclass
@@ -32,7 +28,7 @@ class Tracked(Struct):
 
 
 @kind
-class Tracks(ObservesNearest):
+class Tracks(FollowsTracks, ObservesNearest):
     """The nearest moving bodies as the agent's own scans show them, with the columns of ``nearest_bodies``.
 
     Neighbouring points of a scan form a cluster, clusters of successive scans a track: a disc with a velocity (a Kalman
@@ -40,25 +36,9 @@ class Tracks(ObservesNearest):
     is free now. From then on it counts while it is seen, and for ``keep`` where others hide it.
     """
 
-    needs: ClassVar[Needs] = ("scan", "odometry")
-
-    size: float = option(1.2, gt=0.0, unit="m", meaning="Wider clusters stand.")
-    accel: float = option(1.5, gt=0.0, unit="m/s2", meaning="Deviation of the bodies' accelerations.")
-    keep: float = option(1.0, ge=0.0, unit="s", meaning="How long a body is followed that is no longer seen.")
-    without_sensor: str | tuple[str, ...] = WITHOUT_SENSOR
-
     def arrays(self, simulation: Simulation, agents: Ints) -> Tracked:
         """Return the tracks and scratch memory."""
         return Tracked(Tracker.over(self, simulation, agents, "tracks"), nearest_memory(self, simulation))
-
-    def join(self, term: Term, earlier: Sequence[Term]) -> None:
-        """Share the tracks of an earlier observation, if possible."""
-        term.arrays.tracker = shared_tracker(term.arrays.tracker, earlier)
-
-    @staticmethod
-    def begin(term: Term, model: Model, state: State, episode: EpisodeState, shard: Shard) -> None:
-        """Delete the tracks."""
-        forget_tracks(shard.worlds, term.arrays.tracker, episode)
 
     @staticmethod
     def write(term: Term, model: Model, state: State, episode: EpisodeState, shard: Shard) -> None:
@@ -71,8 +51,7 @@ class Tracks(ObservesNearest):
 def write_tracks(
     worlds: Ints, slot: int, term: Bound, tracked: Tracked, model: Model, state: State, episode: EpisodeState
 ) -> None:
-    """Write five numbers for each of the nearest tracks of bodies that move.
-    """
+    """Write five numbers for each of the nearest tracks of bodies that move."""
     nearest, speed = tracked.nearest, term.options[0].speed
     for w in worlds:
         for a in range(term.agents.shape[0]):
@@ -88,7 +67,11 @@ def write_tracks(
                     keep(away - tracks[t].radius, share * dx, share * dy, t, slot, nearest)
             row = episode.observation[w, a, term.column : term.column + WIDTH * nearest.distance.shape[1]]
             write_gaps(w, body, slot, nearest, term, model, state, row)
-            own_x, own_y, ahead = moving(w, body, 0, state), moving(w, body, 1, state), (np.cos(heading), np.sin(heading))
+            own_x, own_y, ahead = (
+                moving(w, body, 0, state),
+                moving(w, body, 1, state),
+                (np.cos(heading), np.sin(heading)),
+            )
             for k in range(nearest.distance.shape[1]):
                 t, vx, vy = nearest.body[slot, k], 0.0, 0.0
                 if t >= 0:
