@@ -6,7 +6,7 @@ from typing import Any, ClassVar, Self
 
 import numpy as np
 
-from irsim_gym.base.arraytypes import Flags, Floats, Ints, Labels, Rays, Records
+from irsim_gym.base.arraytypes import Floats, Ints, Labels, Rays, Records
 from irsim_gym.base.kernels.structs import record_type
 from irsim_gym.base.options import option_fields
 from irsim_gym.simulator.engine.own_scans import own_scan
@@ -84,6 +84,7 @@ class Tracker(Struct):
 
     Attributes:
         scan: The scans; member k is learner k.
+        limits: Valid readings lie between these two [m], shape ``(n_agents, 2)``.
         noise: Standard deviation of the readings [m], shape ``(n_agents,)``.
         spacing: Angle between neighbouring beams [rad].
         closes: Whether the beams go round a full circle.
@@ -95,12 +96,13 @@ class Tracker(Struct):
         scans: The latest scans [m], shape ``(n_worlds, n_agents, n_kept, n_beams)``; the index of a scan is its step
             modulo ``n_kept``.
         eyes: The poses of the sensor then [m, m, rad], shape ``(n_worlds, n_agents, n_kept, 3)``.
-        joined: Scratch, see ``join_beams``, shape ``(n_slots, 2, n_beams)``.
+        joined: Scratch, see ``join_beams``, shape ``(n_slots, 3, n_beams)``.
         points: Scratch, see ``find_clusters``, shape ``(n_slots, 2, 2, n_beams)``.
         clusters: Scratch, likewise, shape ``(n_slots, n_beams)``.
     """
 
     scan: OwnScan
+    limits: Rays
     noise: Floats
     spacing: float
     closes: bool
@@ -111,7 +113,7 @@ class Tracker(Struct):
     noted: Labels
     scans: Rays
     eyes: Floats
-    joined: Flags
+    joined: Rays
     points: Floats
     clusters: Records
 
@@ -134,6 +136,7 @@ class Tracker(Struct):
         kept = int(np.ceil(MEMORY / float(simulation.model.step_time[0]))) + 1
         return cls(
             scan=scan,
+            limits=np.stack([scan.range_min, scan.range_max], 1)[members].astype(np.float32),
             noise=np.array([getattr(s, "std", 0.0) if getattr(s, "noise", False) else 0.0 for s in sensors]),
             spacing=spacing,
             closes=spacing * (n_beams + 0.5) > 2.0 * np.pi,
@@ -144,7 +147,7 @@ class Tracker(Struct):
             noted=np.full(shape, -1, np.int32),
             scans=np.zeros((*shape, kept, n_beams), np.float32),
             eyes=np.zeros((*shape, kept, 3)),
-            joined=np.zeros((n_slots, 2, n_beams), np.bool_),
+            joined=np.zeros((n_slots, 3, n_beams), np.float32),
             points=np.zeros((n_slots, 2, 2, n_beams)),
             clusters=np.zeros((n_slots, n_beams), CLUSTER),
         )
@@ -196,11 +199,10 @@ def note_scan(w: int, a: int, step: int, pose: Floats, slot: int, tracker: Track
 @kernel
 def see_clusters(w: int, a: int, step: int, slot: int, tracker: Tracker) -> int:
     """Write the clusters of the latest scan and where their bodies may have their centres; return their number."""
-    s, ranges = tracker.scan.sensors[a], tracker.scans[w, a, step % tracker.scans.shape[2]]
-    least, most, joined = tracker.scan.range_min[s], tracker.scan.range_max[s], tracker.joined[slot]
-    join_beams(ranges, least, most, tracker.spacing, tracker.noise[a], tracker.closes, joined)
-    clusters = tracker.clusters[slot]
-    count = find_clusters(ranges, least, most, tracker.size, joined, tracker.points[slot], clusters)
+    ranges, limits = tracker.scans[w, a, step % tracker.scans.shape[2]], tracker.limits[a]
+    joined, clusters = tracker.joined[slot], tracker.clusters[slot]
+    join_beams(ranges, limits, tracker.spacing, tracker.noise[a], tracker.closes, joined)
+    count = find_clusters(ranges, limits, tracker.size, joined, tracker.points[slot], clusters)
     eye = tracker.eyes[w, a, step % tracker.eyes.shape[2]]
     for c in range(count):
         dx, dy = clusters[c].x - eye[0], clusters[c].y - eye[1]
