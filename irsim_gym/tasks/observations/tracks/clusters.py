@@ -52,7 +52,7 @@ def join_beams(ranges: Rays, limits: Rays, spacing: float, noise: float, closes:
 
 @kernel
 def line_up(before: Rays, now: Rays, after: Rays, bend: np.float32, slack: np.float32, flat: Rays) -> None:
-    """Write 1 where three neighbouring points are on a line, else 0; inverse ranges on a line are a sine of the angle."""
+    """Write 1 where three neighbouring points are on a line, else 0: inverse ranges on one are a sine of the angle."""
     yes, no = np.float32(1.0), np.float32(0.0)
     for i in range(flat.shape[0]):
         off = abs(before[i] + after[i] - bend * now[i])
@@ -82,6 +82,8 @@ def join_straight(flat: Rays, before: Rays, now: Rays, after: Rays, same: Rays) 
 @kernel
 def find_clusters(ranges: Rays, limits: Rays, size: float, joined: Rays, points: Floats, clusters: Records) -> int:
     """Gather the points of the clusters that are not too wide, and return the number of clusters.
+
+    Writes: points.
 
     Args:
         ranges: The scan [m], ``(n_beams,)``.

@@ -6,7 +6,8 @@ import numpy as np
 
 from irsim_gym.base.arraytypes import Ints
 from irsim_gym.tasks.observations.bodies.time_to_collision import MovingPoint, ObservesTimes, Velocities, meet_disc
-from irsim_gym.tasks.observations.tracks.tracker import PROOFS, FollowsTracks, Tracker, follow_all
+from irsim_gym.tasks.observations.tracks.following import follow_all
+from irsim_gym.tasks.observations.tracks.tracker import PROOFS, FollowsTracks, Tracker
 from irsim_gym.tasks.terms import Bound, EpisodeState, Model, Shard, Simulation, State, Struct, Term, kernel, kind
 
 
@@ -36,7 +37,11 @@ class TimeToTracks(FollowsTracks, ObservesTimes):
 
 @kernel
 def write_track_times(worlds: Ints, term: Bound, timed: TrackedTimes, state: State, episode: EpisodeState) -> None:
-    """Write the nearness of the first collision for each velocity."""
+    """Write the nearness of the first collision for each velocity.
+
+    Reads: term (agents, column, options), timed (table, tracker), state (pose), episode (observation).
+    Writes: episode (observation).
+    """
     options, table, horizon = term.options[0], timed.table, np.float32(term.options[0].horizon)
     far = np.inf if np.isnan(options.range) else options.range
     for w in worlds:

@@ -15,7 +15,8 @@ from irsim_gym.tasks.observations.bodies.nearest_bodies import (
     write_gaps,
     write_motion,
 )
-from irsim_gym.tasks.observations.tracks.tracker import PROOFS, FollowsTracks, Tracker, follow_all
+from irsim_gym.tasks.observations.tracks.following import follow_all
+from irsim_gym.tasks.observations.tracks.tracker import PROOFS, FollowsTracks, Tracker
 from irsim_gym.tasks.terms import Bound, EpisodeState, Model, Shard, Simulation, State, Struct, Term, kernel, kind
 
 
@@ -51,7 +52,12 @@ class Tracks(FollowsTracks, ObservesNearest):
 def write_tracks(
     worlds: Ints, slot: int, term: Bound, tracked: Tracked, model: Model, state: State, episode: EpisodeState
 ) -> None:
-    """Write five numbers for each of the nearest tracks of bodies that move."""
+    """Write five numbers for each of the nearest tracks of bodies that move.
+
+    Reads: term (agents, column, options), tracked (nearest, tracker), model (disc_count, disc_start, segment_count,
+        segment_start), state (discs, pose, segments, stopped, twist).
+    Writes: tracked (nearest), episode (observation).
+    """
     nearest, speed = tracked.nearest, term.options[0].speed
     for w in worlds:
         for a in range(term.agents.shape[0]):
