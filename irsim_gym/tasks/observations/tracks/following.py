@@ -195,7 +195,7 @@ def measure(one: Any, points: Floats, eye: Floats, a: int, tracker: Tracker) -> 
 
 @kernel
 def miss(w: int, a: int, step: int, one: Any, dt: float, tracker: Tracker) -> None:
-    """Count the time for which a track has not been seen, thrice where beams pass through it; in the end drop it.""" #X
+    """Count the time for which a track has not been seen, three times where beams pass through it; drop it in the end.
 
     Reads: tracker (eyes, keep, noise, scan, scans, spacing).
     Writes: one.
