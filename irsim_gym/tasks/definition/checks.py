@@ -214,7 +214,9 @@ def _substitutes(place: Place, item: object, bodies: Sequence[BodySpec], report:
     blind = [name for name in substitutes if "scan" in (OBSERVATIONS.entry(name).kind().needs or ())]
     for name in blind:
         report.add((*place, "without_sensor"), f"'{name}' needs a range sensor itself")
-    return [item] if blind else [OBSERVATIONS.entry(name).kind() for name in substitutes]
+    kinds = [OBSERVATIONS.entry(name).kind for name in substitutes]
+    substitute = getattr(item, "substitute", None)  # kinds that hand on their own options
+    return [item] if blind else [substitute(one) if substitute else one() for one in kinds]
 
 
 def _described(sensor: object) -> str:

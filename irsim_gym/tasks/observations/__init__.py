@@ -30,6 +30,8 @@ from irsim_gym.tasks.observations.scan.past_scans import PastScans
 from irsim_gym.tasks.observations.scan.scan import Scan
 from irsim_gym.tasks.observations.seen_map.way_on_seen_map import WayOnSeenMap
 from irsim_gym.tasks.observations.seen_map.yielding_way import YieldingWay
+from irsim_gym.tasks.observations.tracks.time_to_tracks import TimeToTracks
+from irsim_gym.tasks.observations.tracks.tracks import Tracks
 
 OBSERVATIONS.register("scan", Scan)
 OBSERVATIONS.register("past_scans", PastScans)
@@ -57,3 +59,5 @@ OBSERVATIONS.register("position", Position)
 OBSERVATIONS.register("heading", Heading)
 OBSERVATIONS.register("occupancy_image", OccupancyImage)
 OBSERVATIONS.register("seen_map_image", SeenMapImage)
+OBSERVATIONS.register("tracks", Tracks)
+OBSERVATIONS.register("time_to_tracks", TimeToTracks)
