@@ -116,6 +116,17 @@ def test_the_mixture_maze_robot_draws_disturbances_with_and_without_loops() -> N
         assert load_task(scenario, found.task).predict is True
 
 
+def test_the_mixture_dense_room_memory_robot_has_worlds_with_fewer_disturbances_and_without() -> None:
+    found = read_mixture(mixture_file("dense_room_memory_robot"))  # type: ignore[arg-type]
+    scenarios = [load_scenario(one.scenario, one.parameters) for one in found.parts]
+    assert [(one.share, len(scenario.disturbances)) for one, scenario in zip(found.parts, scenarios, strict=True)] == [
+        (2.0, 6),
+        (1.0, 6),
+        (1.0, 0),
+    ]
+    assert all(load_task(scenario, found.task).predict is True for scenario in scenarios)
+
+
 def test_the_mixtures_of_many_robots_have_the_same_scenarios_but_other_shares() -> None:
     first, careful = (read_mixture(mixture_file(name)) for name in ("rl_rvo", "rl_rvo_careful"))  # type: ignore[arg-type]
     assert [(one.scenario, one.parameters) for one in first.parts] == [
