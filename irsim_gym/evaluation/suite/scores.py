@@ -121,8 +121,7 @@ def score_method(repetitions: Repetitions, common: set[int], quarters: Ints | No
         - ``common_levels``: Number of levels that all compared methods solved.
         - ``common_time``, ``common_path``: Mean time [s] and path length [m] on these levels.
         - ``makespan``: Mean time until the last robot arrives [s]; the time limit if one never arrives.
-        - ``clearance``: Mean of the smallest clearances [m].
-        - ``acceleration``, ``jerk``: Mean sizes [m/s2], [m/s3].
+        - ``clearance``: Mean of the smallest ones [m]; ``acceleration``, ``jerk``: mean sizes [m/s2], [m/s3].
         - ``intrusion_025``, ``intrusion_045``: Share of steps nearer than 0.25 m and 0.45 m to a person; NaN if there
           are no people.
         - ``time_to_collision``: Mean of the minimum times to collision with a person [s], over episodes that met one.
