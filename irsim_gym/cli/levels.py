@@ -12,9 +12,7 @@ levels = typer.Typer(help="Levels as files: draw, certify and show them.", no_ar
 
 Splits = Annotated[str, typer.Option("--split", help="Split of the levels: train, dev or test; several: train,dev.")]
 Count = Annotated[int, typer.Option(min=1, max=opt.MOST_LEVELS, help="Number of levels of each split.")]
-Policies = Annotated[
-    list[str] | None, typer.Argument(help="Reference policies (default: random, dash, orca and the planners that fit).")
-]
+Policies = Annotated[list[str] | None, typer.Argument(help="Reference policies (default: those that fit).")]
 Certified = Annotated[str, typer.Argument(help="Shipped name, environment id, YAML file, or file of levels (.npz).")]
 OutOrBeside = Annotated[
     Path | None, typer.Option(help="File to write (default: NAME.certificate.npz beside the file).")

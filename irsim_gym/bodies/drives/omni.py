@@ -8,20 +8,8 @@ import numpy as np
 from irsim_gym.bodies.drives import motion_noise
 from irsim_gym.bodies.drives.motion_noise import Variances
 from irsim_gym.simulator.geometry.angles import wrap_below, wrap_from
-from irsim_gym.simulator.world.names import (
-    OMNI_ANGULAR,
-    OMNI_BODY,
-    OMNI_WORLD,
-    Floats,
-    Group,
-    Ints,
-    Model,
-    Shard,
-    State,
-    kernel,
-    kind,
-    option,
-)
+from irsim_gym.simulator.world.model import OMNI_ANGULAR, OMNI_BODY, OMNI_WORLD
+from irsim_gym.simulator.world.names import Floats, Group, Ints, Model, Shard, State, kernel, kind, option
 
 
 @kind

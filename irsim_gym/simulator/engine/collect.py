@@ -260,9 +260,5 @@ def _turn(spec: PlacementSpec) -> int:
 
 
 def _number_ranges(scenario: Scenario) -> Ints:
-    rows = [
-        (spec.members[0], *spec.number_range)
-        for spec in scenario.placements
-        if spec.number_range is not None and spec.members
-    ]
+    rows = [(spec.members[0], *spec.number_range) for spec in scenario.placements if spec.number_range and spec.members]
     return np.array(rows, np.int64).reshape(-1, 3)

@@ -16,15 +16,8 @@ from irsim_gym.scenario.specs import library
 from irsim_gym.scenario.specs.spec import Scenario
 from irsim_gym.scenario.text.messages import show
 from irsim_gym.scenario.text.source import MissingFileError, Place, Source, read_file, read_mapping
+from irsim_gym.tasks.definition import checks
 from irsim_gym.tasks.definition.audit import Sharing, check_audit
-from irsim_gym.tasks.definition.checks import (
-    check_action,
-    check_fit,
-    check_prediction,
-    check_shield,
-    check_terms,
-    choose_agents,
-)
 from irsim_gym.tasks.definition.layers import Layer, merge
 
 DEFAULT = "navigation"
@@ -153,16 +146,16 @@ def load_task(
     terms = {key: _terms(family, key, data, report) for key, family in FAMILIES.items()}
     is_sound = not report.problems and not merged.outside
     if options is not None:
-        agents = choose_agents(scenario, options.agents, team, merged)
+        agents = checks.choose_agents(scenario, options.agents, team, merged)
         if agents:
-            terms["observations"] = check_fit(scenario, agents, name, terms, merged)
-            check_action(scenario, agents, action, report)
+            terms["observations"] = checks.check_fit(scenario, agents, name, terms, merged)
+            checks.check_action(scenario, agents, action, report)
             if shield is not None:
-                check_shield(scenario, agents, merged)
+                checks.check_shield(scenario, agents, merged)
             if options.predict:
-                check_prediction(scenario, agents, terms, report)
+                checks.check_prediction(scenario, agents, terms, report)
         if is_sound:
-            check_terms(terms, merged)
+            checks.check_terms(terms, merged)
             if options.audit:
                 check_audit(terms, Sharing(options.team_reward, len(agents)), merged)
     merged.refuse(_title(scenario))

@@ -326,9 +326,7 @@ def _check_layers(value: object, place: Place, report: Report) -> None:
         where = (*place, key) if key else place
         if key not in ("", "pi", "vf", "qf"):
             report.add(where, f"must be pi, vf or qf{suggestion(key, ('pi', 'vf', 'qf'))}")
-        is_list = isinstance(layers, list) and all(
-            isinstance(size, int) and not isinstance(size, bool) and size >= 1 for size in layers
-        )
+        is_list = isinstance(layers, list) and all(type(size) is int and size >= 1 for size in layers)
         if not is_list:
             report.add(where, f"must be a list of widths of layers such as [64, 64], got {show(layers)}")
 
