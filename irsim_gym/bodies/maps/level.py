@@ -51,11 +51,7 @@ class CellsKind:
     """The base class of maps of cells."""
 
     disc_radius: float | None = option(
-        None,
-        gt=0.0,
-        unit="m",
-        meaning="Each occupied cell holds a disc of this radius in its middle, at most half a cell; default: all of it "
-        "is occupied.",
+        None, gt=0.0, unit="m", meaning="Occupied cells hold discs of this radius; default: they are all occupied."
     )
 
     def outline(self) -> Outline:

@@ -41,9 +41,7 @@ class TaskOptions:
     max_steps: int = option(500, ge=1, le=10**9, unit="steps", meaning="Time limit of an episode.")
     observation_form: Literal["flat", "dict"] = option("flat", meaning="One vector (flat), or several (dict).")
     ended: Literal["stay", "vanish"] = option(
-        "stay",
-        meaning="What happens to the body of an agent whose episode has ended: it stays, or is removed before the "
-        "next step.",
+        "stay", meaning="What becomes of the body of an ended agent: it stays, or is removed before the next step."
     )
     team_reward: float = option(
         0.0, ge=0.0, le=1.0, meaning="Share of the mean over all agents in each reward; the rest is the agent's own."

@@ -37,11 +37,7 @@ class Pursuit(RenewsGoals):
         0.1, ge=0.0, unit="m", meaning="Distance of the way from obstacles; half, a quarter or none where none has it."
     )
     cell: float | None = option(
-        None,
-        gt=0.0,
-        unit="m",
-        meaning="Cell size of the grid on which ways are found; default: half the radius of the body.",
-        consequence="Large: ways through narrow gaps are missed.",
+        None, gt=0.0, unit="m", meaning="Cell size; default: half the radius.", consequence="Large: gaps are missed."
     )
     speed: float | None = option(None, gt=0.0, unit="m/s", meaning="Maximum speed; by default the drive's.")
     lookahead_time: float = option(0.6, ge=0.0, unit="s", meaning="It aims at a point this much driving ahead.")
