@@ -33,7 +33,7 @@ from irsim_gym.envs.parts.spaces import Observation, action_space, observation_l
 from irsim_gym.scenario import Scenario, load_scenario
 from irsim_gym.scenario.reading.parameters import given_as_keywords
 from irsim_gym.scenario.specs.ids import ANY, SOURCES
-from irsim_gym.simulator.engine import Simulation, compile
+from irsim_gym.simulator.engine import compile
 from irsim_gym.simulator.engine.given import LEVELS, check_worlds
 from irsim_gym.tasks import Episodes, Task, load_task
 from irsim_gym.tasks.definition.sight import all_of, idle_robots
@@ -86,7 +86,7 @@ class Worlds:
         self.scenario = _loaded(scenario, parameters or {}, strict)
         self.task = load_task(self.scenario, task, agreed_limit(max_steps, outer_limit), team=team)
         check_worlds(n_worlds, worlds_are)
-        self.simulation = self._compiled(n_worlds, num_threads)
+        self.simulation = compile(self.scenario, n_worlds, agents=self.task.agents, num_threads=num_threads)
         self.episodes = Episodes(self.simulation, self.task)
         self.infos = Infos(self.episodes)
         if self.episodes.n_agents != 1 and not team:
@@ -108,9 +108,6 @@ class Worlds:
         self._row: Rays | None = None
         self._masks: ActionMasks | None = None
         self._mirror: Mirror | None = None
-
-    def _compiled(self, n_worlds: int, num_threads: int) -> Simulation:
-        return compile(self.scenario, n_worlds, agents=self.task.agents, num_threads=num_threads)
 
     def __repr__(self) -> str:
         return f"<Worlds {self.summary}>"

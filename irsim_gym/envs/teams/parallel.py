@@ -65,15 +65,8 @@ def parallel_env(
     """
     if max_steps is not None and max_cycles not in (None, max_steps):
         raise ValueError(f"max_steps and max_cycles are the same limit, got {max_steps} and {max_cycles}")
-    worlds = Worlds(
-        scenario,
-        task=task,
-        max_steps=max_cycles if max_steps is None else max_steps,
-        render_mode=render_mode,
-        team=True,
-        parameters=parameters,
-        strict=strict,
-    )
+    how: dict[str, Any] = {"max_steps": max_cycles if max_steps is None else max_steps, "render_mode": render_mode}
+    worlds = Worlds(scenario, task=task, team=True, parameters=parameters, strict=strict, **how)
     return WorldParallelEnv(worlds, padded=padded, black_death=black_death)
 
 

@@ -14,7 +14,7 @@ from irsim_gym.evaluation.saved_policies.run_folder import lasting
 from irsim_gym.evaluation.saved_policies.snapshot import listed
 from irsim_gym.scenario.reading.load import load_scenario
 from irsim_gym.scenario.specs.ids import scenario_name
-from irsim_gym.tasks import Task, load_task
+from irsim_gym.tasks import load_task
 from irsim_gym.tasks.terms.term import IsImage
 from irsim_gym.training.settings.folders import default_folder, existing_folders, free_folder, setting_differences
 from irsim_gym.training.settings.hyperparameter_files import change_hyperparameters
@@ -123,7 +123,7 @@ class TrainingRequest:
         names = algorithm, environment_id(self.scenario)
         chosen_file: dict[str, Any] = {
             "task": self.task_name,
-            "images": _observes_images(learned),
+            "images": any(isinstance(term, IsImage) for term in learned.observations),
             "file": self.hyperparameters,
             "changes": self.changes,
         }
@@ -213,8 +213,3 @@ class TrainingRequest:
         except IrsimGymError:
             return False
         return True
-
-
-def _observes_images(task: Task) -> bool:
-    """Return whether a task's observations contain images."""
-    return any(isinstance(term, IsImage) for term in task.observations)

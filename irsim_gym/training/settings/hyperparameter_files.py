@@ -3,7 +3,7 @@
 import functools
 import inspect
 import re
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -269,7 +269,8 @@ def _policy(value: object, algorithm: Algorithm, place: Place, report: Report) -
         if key.endswith("_class"):
             report.add(where, declared.NOT_IN_FILES)
         elif names and key not in names:
-            report.add(where, f"unknown argument of the policy{suggestion(key, names) or f'; known: {_few(names)}'}")
+            known = ", ".join(sorted(names)[:MAX_NAMES])
+            report.add(where, f"unknown argument of the policy{suggestion(key, names) or f'; known: {known}'}")
         elif key == "net_arch":
             _check_layers(entry, where, report)
         elif key == "activation_fn":
@@ -282,10 +283,6 @@ def _policy(value: object, algorithm: Algorithm, place: Place, report: Report) -
             info = fields[key]
             values[key] = read_field(info, _whole(entry) if info.annotation is int else _number(entry), where, report)
     return values
-
-
-def _few(names: Iterable[str]) -> str:
-    return ", ".join(sorted(names)[:MAX_NAMES])
 
 
 @functools.cache
