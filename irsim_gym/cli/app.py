@@ -18,7 +18,7 @@ from irsim_gym.cli.levels import levels
 from irsim_gym.cli.policies import policies as shelf
 from irsim_gym.cli.robot import bag, export, fit
 from irsim_gym.cli.run import run_by_itself
-from irsim_gym.cli.start import new, options
+from irsim_gym.cli.start import new, options, schema
 from irsim_gym.cli.suite import suite
 from irsim_gym.cli.tools import print_shipped, read_parameters, scenario_request
 from irsim_gym.cli.train import train, tune
@@ -79,6 +79,7 @@ def describe(
 
 
 app.command()(options)
+app.command()(schema)
 app.command()(train)
 app.command()(tune)
 app.command()(export)

@@ -1,4 +1,4 @@
-"""The commands ``irsim-gym new`` and ``options``."""
+"""The commands ``irsim-gym new``, ``options`` and ``schema``."""
 
 from pathlib import Path
 from typing import Annotated
@@ -24,3 +24,12 @@ def options(
     from irsim_gym.scenario.reference.option_tables import markdown
 
     print(markdown()) if name is None else print_options(name)
+
+
+def schema() -> None:
+    """Write the JSON Schema of scenario files, for editors."""
+    import json
+
+    from irsim_gym.scenario.reference.schema import json_schema
+
+    print(json.dumps(json_schema(), indent=2))

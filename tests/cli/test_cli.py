@@ -229,6 +229,11 @@ def test_check_plays_teams_and_draws_levels(
     assert capsys.readouterr().out.count(": fine (robots") == 2
 
 
+def test_schema_is_json(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    assert run(monkeypatch, "schema") == 0
+    assert "world" in json.loads(capsys.readouterr().out)["properties"]
+
+
 @pytest.mark.parametrize(
     ("arguments", "said"),
     [

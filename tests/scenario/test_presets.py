@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from typing import Any
 
+import jsonschema
 import pytest
 
 import irsim_gym
 from irsim_gym.base.errors import ScenarioError
 from irsim_gym.evaluation.saved_policies.snapshot import snapshot_of
 from irsim_gym.scenario import load_scenario
+from irsim_gym.scenario.reference.schema import json_schema
 from irsim_gym.scenario.specs import library
 
 ROBOTS = ("create3", "go2", "jackal", "turtlebot3_burger", "turtlebot4")
@@ -61,6 +63,13 @@ def test_presets_are_read_in_every_form_of_a_file() -> None:
 def test_unknown_robots_are_named_with_those_that_there_are(name: object) -> None:
     with pytest.raises(ScenarioError, match=r"robot\[0\]\.preset: no robot named .*'create3', 'go2', 'jackal'"):
         robot(preset=name)
+
+
+def test_the_schema_knows_the_robots() -> None:
+    schema = json_schema()
+    jsonschema.validate({"robot": {"preset": "go2"}}, schema)
+    with pytest.raises(jsonschema.ValidationError):
+        jsonschema.validate({"robot": {"preset": "go3"}}, schema)
 
 
 def test_a_copy_of_a_scenario_holds_the_values_of_its_robot() -> None:

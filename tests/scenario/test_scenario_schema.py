@@ -1,11 +1,22 @@
-"""Option tables: made from the declarations, so that they cannot be wrong about them."""
+"""JSON Schema and option tables: made from the declarations, so that they cannot be wrong about them."""
 
 from __future__ import annotations
 
+import json
 import subprocess
 import sys
+from typing import Any
 
+import jsonschema
+import pytest
+import yaml
+
+from irsim_gym.base import families
+from irsim_gym.base.options import kind, option
+from irsim_gym.base.registry import Entry
 from irsim_gym.scenario.reference.option_tables import markdown, option_tables
+from irsim_gym.scenario.reference.schema import json_schema
+from irsim_gym.scenario.specs import library
 
 # Every key of IR-SIM's language, with its documented default where it has one of its own.
 LANGUAGE: dict[str, str] = {
@@ -82,6 +93,102 @@ DEFAULTS = {
 }
 
 
+@pytest.fixture(scope="module")
+def schema() -> dict[str, Any]:
+    return json_schema()
+
+
+def accepts(schema: dict[str, Any], text: str) -> bool:
+    return bool(jsonschema.Draft202012Validator(schema).is_valid(yaml.safe_load(text)))
+
+
+def test_is_a_schema_and_is_json(schema: dict[str, Any]) -> None:
+    jsonschema.Draft202012Validator.check_schema(schema)
+    assert json.loads(json.dumps(schema, allow_nan=False)) == schema
+
+
+@pytest.mark.parametrize("name", library.scenario_names())
+def test_shipped_scenarios_fit(name: str, schema: dict[str, Any]) -> None:
+    assert accepts(schema, library.names()[name].read_text(encoding="utf-8"))
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "{}",
+        "world:",
+        "robot: {kinematics: {name: diff}, goal: [1, 2], vel_max: [[1, 1], [2, 2]]}",
+        "robot: [{number: 2, goal_threshold: [0.1, 0.2], name: [a, b]}]",
+        "world: {step_time: 1/10, offset: [pi, 0]}",
+        "robot: {sensors: [{number: 3}, {type: lidar2d}]}",
+        "robot: {sensors: [[{number: 3}], [{name: lidar2d}]]}",
+        "obstacle: {shape: [{name: circle, radius: 2*3}, {name: rectangle}]}",
+        "irsim: {world: {name: a}}",
+        "custom: [1, 2]",
+        "task: navigation",
+        "task: {agents: [ann, bob], max_steps: 100 * $n, ended: vanish, team_reward: 1/2, audit: false}",
+        "task: {name: blank, action: discrete, rewards: [time, {name: progress, use: false}], endings: [arrived]}",
+        "plot: {show_goal: true}",
+        "world: {plot: {saved_figure: {dpi: 3}}}",
+        "world: {obstacle_map: cavern.png, mdownsample: 2, fog_map: true}",
+        "world: {obstacle_map: {name: perlin, resolution: 1/10, seed: 3}}",
+        "world: {obstacle_map: [[0, 100], [true, false]]}",
+        "parameters: {n: {default: 4, min: pi, choices: [a, 2], meaning: Some.}}",
+        "robot: {number: $n, kinematics: {name: $drive, noise: $noise}, vel_max: [$v, 'max(2, $w_2)'], static: $s}",
+    ],
+)
+def test_accepts(text: str, schema: dict[str, Any], tmp_path: Any) -> None:
+    assert accepts(schema, text)
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "wrld: {}",
+        "world: {width: -1}",
+        "world: {width: wide}",
+        "world: {control_mode: mouse}",
+        "robot: {kinematics: {name: dif}}",
+        "robot: {kinematics: {name: omni, frame: map}}",
+        "robot: {kinematics: {nme: diff}}",
+        "robot: {shape: {name: circle, radius: 0}}",
+        "robot: {shape: {name: circle, length: 1}}",
+        "robot: {role: obstacle}",
+        "robot: {sensors: [{number: 0}]}",
+        "robot: {sensors: [{name: camera}]}",
+        "world: {plot: {saved_figure: {dpy: 3}}}",
+        "gui: {keyboard: {backend: qt}}",
+        "world: {obstacle_map: {name: perlin}}",
+        "world: {obstacle_map: 3}",
+        "world: {width: $}",
+        "task: {max_step: 100}",
+        "task: {team_reward: 2}",
+        "task: {ended: go}",
+        "task: {max_steps: 0}",
+        "task: {agents: {ann: 1}}",
+        "task: {rewards: {name: time}}",
+        "parameters: {n: {default: 4}}",
+        "parameters: {2n: {default: 4, meaning: Some.}}",
+        "parameters: {n: 4}",
+    ],
+)
+def test_refuses(text: str, schema: dict[str, Any]) -> None:
+    assert not accepts(schema, text)
+
+
+def test_user_kinds_are_in_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    @kind
+    class Sonar:
+        """A sonar."""
+
+        reach: float = option(2.0, gt=0.0, unit="m", meaning="Reach.")
+
+    monkeypatch.setattr(families.SENSORS, "_entries", dict(families.SENSORS._entries))
+    families.SENSORS._entries["sonar"] = Entry("sonar", Sonar)
+    assert accepts(json_schema(), "robot: {sensors: [{name: sonar, reach: 3}]}")
+    assert not accepts(json_schema(), "robot: {sensors: [{name: sonar, reach: -3}]}")
+
+
 def test_every_key_of_the_language_is_declared() -> None:
     declared = {title: {row.key for row in rows} for title, rows in option_tables()}
     missing = {title: set(keys.split()) - declared[title] for title, keys in LANGUAGE.items()}
@@ -107,7 +214,7 @@ def test_tables_as_markdown() -> None:
 def test_the_package_reads_without_compiling() -> None:
     code = (
         "import sys; from irsim_gym.scenario.reading import load; "
-        "from irsim_gym.scenario.reference import option_tables; "
+        "from irsim_gym.scenario.reference import schema; "
         "from irsim_gym.scenario.specs import library, spec; library.scenario_names(); "
         "print([name for name in ('numba', 'matplotlib', 'shapely', 'torch') if name in sys.modules])"
     )

@@ -1,4 +1,4 @@
-"""Tables and summaries of the language, from its declarations.
+"""Tables, schemas and summaries of the language, from its declarations.
 
 Nothing is stated here a second time.
 """

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import replace
+from itertools import chain
 from typing import Any
 
 import numpy as np
@@ -16,6 +17,7 @@ from irsim_gym.simulator.world.model import NO_DRIVE
 from irsim_gym.tasks.definition.audit import Terms, ending_for
 from irsim_gym.tasks.definition.layers import Merged
 from irsim_gym.tasks.terms.graph import HasGraph
+from irsim_gym.tasks.terms.targets import FitsScenario, has_goal
 
 NOTHING = "nothing"
 """``without_sensor``: the observation of a sensor without beams."""
@@ -82,6 +84,9 @@ def check_fit(
         for b, body in zip(agents, bodies, strict=True)
         for message in _body_problems(body, scenario.placements[body.entry], b)
     ]
+    for place, term in chain(*terms.values()):
+        if isinstance(term, FitsScenario) and (lack := term.misfit(scenario)) is not None:
+            merged.report.add(place, lack)
     needing = [term for item in terms.values() for _, term in item if term.needs_goal]
     if needing:
         users = ", ".join(f"'{_term_name(term)}'" for term in needing)
@@ -89,7 +94,7 @@ def check_fit(
             f"has no goal, and the task '{task}' needs one (for {users}): add a goal, or take a task without, "
             "such as {name: blank, observations: [velocity]}"
         )
-        goalless = [body for b, body in zip(agents, bodies, strict=True) if not _has_goal(scenario, b)]
+        goalless = [body for b, body in zip(agents, bodies, strict=True) if not has_goal(scenario, b)]
         problems += [Problem(body.line, body.name, message) for body in goalless]
     for i, problem in enumerate(problems):
         shown = problem if i else replace(problem, message=problem.message + OTHERWISE)
@@ -164,11 +169,6 @@ def _body_problems(body: BodySpec, placement: PlacementSpec, b: int) -> list[str
     return []
 
 
-def _has_goal(scenario: Scenario, b: int) -> bool:
-    body = scenario.bodies[b]
-    return bool(body.goal) or bool(scenario.placements[body.entry].kind.gives_goal) or body.wanders
-
-
 def _term_name(term: object) -> str:
     for family in (OBSERVATIONS, REWARDS, ENDINGS):
         try:
@@ -214,7 +214,9 @@ def _substitutes(place: Place, item: object, bodies: Sequence[BodySpec], report:
     blind = [name for name in substitutes if "scan" in (OBSERVATIONS.entry(name).kind().needs or ())]
     for name in blind:
         report.add((*place, "without_sensor"), f"'{name}' needs a range sensor itself")
-    return [item] if blind else [OBSERVATIONS.entry(name).kind() for name in substitutes]
+    kinds = [OBSERVATIONS.entry(name).kind for name in substitutes]
+    substitute = getattr(item, "substitute", None)  # kinds that hand on their own options
+    return [item] if blind else [substitute(one) if substitute else one() for one in kinds]
 
 
 def _described(sensor: object) -> str:

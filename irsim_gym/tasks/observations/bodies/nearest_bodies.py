@@ -41,29 +41,14 @@ class Nearest(Struct):
 
 
 @kind
-class NearestBodies(EncodesDepths):
-    """The nearest other bodies, nearest first, five numbers each.
-
-    The numbers are cosine and sine of the direction of the body's nearest point in the agent's frame; the gap between
-    that point and the agent's own outline, encoded as by ``scan``; and the relative velocity in the agent's frame,
-    divided by ``speed``. Bodies whose surface is farther from the agent's origin than ``range`` are not seen; a missing
-    body reads 0, 0, the code of ``range``, 0, 0.
-    """
-
-    needs: ClassVar[Needs] = ("bodies",)
+class ObservesNearest(EncodesDepths):
+    """The options and the columns of observations of the nearest bodies: five numbers each."""
 
     count: int = option(6, ge=1, le=64, meaning="Number of bodies observed.")
     range: float | None = option(None, gt=0.0, unit="m", meaning="Range of view; default: the world's diagonal.")
-    moving: bool = option(False, meaning="Whether to leave out bodies that stay where they start, and the map.")
     speed: float = option(2.0, gt=0.0, unit="m/s", meaning="Relative speed that reads 1; faster speeds are clipped.")
 
     problems = code_problems
-
-    def arrays(self, simulation: Simulation, agents: Ints) -> Nearest:
-        """Return scratch memory."""
-        shape = (simulation.shards.n_slots, self.count)
-        far = _sight(self.range, simulation.model)
-        return Nearest(far, np.zeros(shape), np.zeros(shape), np.zeros(shape), np.zeros(shape, np.int64))
 
     def bounds(self, term: Term, model: Model) -> tuple[Rays, Rays]:
         """Return the bounds, five for each body."""
@@ -90,6 +75,25 @@ class NearestBodies(EncodesDepths):
         """Return the columns; what is positive to the left changes its sign."""
         return signed(1.0, -1.0, 1.0, 1.0, -1.0, times=self.count)
 
+
+@kind
+class NearestBodies(ObservesNearest):
+    """The nearest other bodies, nearest first, five numbers each.
+
+    The numbers are cosine and sine of the direction of the body's nearest point in the agent's frame; the gap between
+    that point and the agent's own outline, encoded as by ``scan``; and the relative velocity in the agent's frame,
+    divided by ``speed``. Bodies whose surface is farther from the agent's origin than ``range`` are not seen; a missing
+    body reads 0, 0, the code of ``range``, 0, 0.
+    """
+
+    needs: ClassVar[Needs] = ("bodies",)
+
+    moving: bool = option(False, meaning="Whether to leave out bodies that stay where they start, and the map.")
+
+    def arrays(self, simulation: Simulation, agents: Ints) -> Nearest:
+        """Return scratch memory."""
+        return nearest_memory(self, simulation)
+
     def graph(self, term: Term, model: Model, agent: int, robot: RobotValues) -> Value:
         """Return the columns as a graph, see ``HasGraph``; the bodies are discs."""
         far, body = term.arrays.sight, term.agents[agent]
@@ -114,6 +118,13 @@ class NearestBodies(EncodesDepths):
     def write(term: Term, model: Model, state: State, episode: EpisodeState, shard: Shard) -> None:
         """Write the bodies' numbers."""
         write_nearest(shard.worlds, shard.slot, term.bound, term.arrays, model, model.cells, state, episode)
+
+
+def nearest_memory(options: ObservesNearest, simulation: Simulation) -> Nearest:
+    """Return scratch memory for the bodies that an observation's options ask for."""
+    shape = (simulation.shards.n_slots, options.count)
+    far = _sight(options.range, simulation.model)
+    return Nearest(far, np.zeros(shape), np.zeros(shape), np.zeros(shape), np.zeros(shape, np.int64))
 
 
 def _sight(far: float | None, model: Model) -> float:
@@ -309,17 +320,38 @@ def write_motions(w: int, body: int, slot: int, nearest: Nearest, speed: float, 
     """
     cosine, sine = np.cos(state.pose[w, body, 2]), np.sin(state.pose[w, body, 2])
     for k in range(nearest.distance.shape[1]):
-        dx, dy, number = nearest.way_x[slot, k], nearest.way_y[slot, k], nearest.body[slot, k]
-        b, there = (number, 1.0) if number >= 0 else (0, 0.0)
-        away = np.sqrt(dx * dx + dy * dy)
-        scale = 1.0 / away if away > 0.0 else 0.0
-        vx = moving(w, b, 0, state) - moving(w, body, 0, state)
-        vy = moving(w, b, 1, state) - moving(w, body, 1, state)
-        at = WIDTH * k
-        row[at] = unit((dx * cosine + dy * sine) * scale)
-        row[at + 1] = unit((dy * cosine - dx * sine) * scale)
-        row[at + 3] = unit(there * (vx * cosine + vy * sine) / speed)
-        row[at + 4] = unit(there * (vy * cosine - vx * sine) / speed)
+        b, vx, vy = nearest.body[slot, k], 0.0, 0.0
+        if b >= 0:
+            vx, vy = (
+                moving(w, b, 0, state) - moving(w, body, 0, state),
+                moving(w, b, 1, state) - moving(w, body, 1, state),
+            )
+        way = nearest.way_x[slot, k], nearest.way_y[slot, k]
+        write_motion(way, (vx, vy), (cosine, sine), speed, row[WIDTH * k : WIDTH * (k + 1)])
+
+
+@kernel
+def write_motion(
+    way: tuple[float, float], motion: tuple[float, float], ahead: tuple[float, float], speed: float, row: Rays
+) -> None:
+    """Write the direction of a way [m] and a relative velocity [m/s] in an agent's frame.
+
+    Writes: row.
+
+    Args:
+        way: The way to the body's nearest point.
+        motion: Its velocity relative to the agent's.
+        ahead: Cosine and sine of the agent's heading.
+        speed: The speed that reads 1.
+        row: The five numbers of a body; the gap, which is the third, is not written.
+    """
+    (dx, dy), (vx, vy), (cosine, sine) = way, motion, ahead
+    away = np.sqrt(dx * dx + dy * dy)
+    scale = 1.0 / away if away > 0.0 else 0.0
+    row[0] = unit((dx * cosine + dy * sine) * scale)
+    row[1] = unit((dy * cosine - dx * sine) * scale)
+    row[3] = unit((vx * cosine + vy * sine) / speed)
+    row[4] = unit((vy * cosine - vx * sine) / speed)
 
 
 @kernel

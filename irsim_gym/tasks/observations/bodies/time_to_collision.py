@@ -42,28 +42,20 @@ class Velocities(Struct):
 
 
 @kind
-class TimeToCollision:
-    """Time until a disc around the agent touches another body, for velocities in evenly spaced directions.
-
-    The agent takes up each velocity at once and keeps it, as do all other bodies, without turning (van den Berg et al.
-    2008, "Reciprocal velocity obstacles", uses the same time). A time t reads ``1 - t / horizon``: 1 in contact, 0
-    without a collision within the horizon. Bodies that are ``unobstructed``, and an obstacle map, are not seen.
-    """
+class ObservesTimes:
+    """The options and the columns of observations of times to collision."""
 
     needs_goal: ClassVar[bool] = False
-    needs: ClassVar[Needs] = ("bodies",)
 
     directions: int = option(32, ge=1, le=1024, meaning="Number of directions; the first is straight behind.")
     speeds: int = option(1, ge=1, le=16, meaning="Number of speeds in each direction, up to ``speed``, evenly spaced.")
     speed: float | None = option(None, gt=0.0, unit="m/s", meaning="Maximum speed; default: the agent's own.")
     horizon: float = option(5.0, gt=0.0, unit="s", meaning="Maximum time; later collisions are ignored.")
     range: float | None = option(None, gt=0.0, unit="m", meaning="Bodies farther from the agent's origin are not seen.")
-    moving: bool = option(False, meaning="Whether to leave out bodies that stay where they start.")
     margin: float = option(0.0, ge=0.0, unit="m", meaning="Added to the radius of the disc around the agent.")
 
-    def arrays(self, simulation: Simulation, agents: Ints) -> Velocities:
+    def velocities(self, model: Model, agents: Ints) -> Velocities:
         """Return the velocities in the body frame and the radii of the discs around the agents."""
-        model = simulation.model
         top = [fastest(model, int(b)) if self.speed is None else self.speed for b in agents]
         speeds = np.outer(top, np.arange(1, self.speeds + 1) / self.speeds).astype(np.float32)
         # Speed after speed, and all directions of each.
@@ -77,7 +69,7 @@ class TimeToCollision:
 
     def columns(self, term: Term, model: Model, agent: int) -> list[Columns]:
         """Return the meaning of the columns: the directions of each speed, slowest first."""
-        table = term.arrays
+        table = self.velocities(model, term.agents)
         turn = 360.0 / self.directions
         angles = tuple(np.radians(turn * k - 180.0) for k in range(self.directions))
         pace = np.hypot(table.ahead[agent], table.aside[agent])[:: self.directions]
@@ -91,6 +83,24 @@ class TimeToCollision:
     def mirrored(self, term: Term) -> Mirrored:
         """Return the directions from right to left."""
         return directions_exchanged(self.directions, self.speeds)
+
+
+@kind
+class TimeToCollision(ObservesTimes):
+    """Time until a disc around the agent touches another body, for velocities in evenly spaced directions.
+
+    The agent takes up each velocity at once and keeps it, as do all other bodies, without turning (van den Berg et al.
+    2008, "Reciprocal velocity obstacles", uses the same time). A time t reads ``1 - t / horizon``: 1 in contact, 0
+    without a collision within the horizon. Bodies that are ``unobstructed``, and an obstacle map, are not seen.
+    """
+
+    needs: ClassVar[Needs] = ("bodies",)
+
+    moving: bool = option(False, meaning="Whether to leave out bodies that stay where they start.")
+
+    def arrays(self, simulation: Simulation, agents: Ints) -> Velocities:
+        """Return the velocities in the body frame and the radii of the discs around the agents."""
+        return self.velocities(simulation.model, agents)
 
     def graph(self, term: Term, model: Model, agent: int, robot: RobotValues) -> Value:
         """Return the columns as a graph, see ``HasGraph``; the bodies are discs."""

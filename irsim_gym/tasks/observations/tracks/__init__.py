@@ -1,0 +1,4 @@
+"""Observations of moving bodies as a robot's own scans show them.
+
+Only kinds and what they share.
+"""

@@ -1,0 +1,268 @@
+"""How tracks follow bodies from scan to scan."""
+
+from typing import Any
+
+import numpy as np
+
+from irsim_gym.base.arraytypes import Floats, Ints, Records
+from irsim_gym.simulator.geometry.angles import TURN, nearly_arctan2, wrap
+from irsim_gym.tasks.observations.tracks.clusters import find_clusters, fit_disc, join_beams
+from irsim_gym.tasks.observations.tracks.tracker import PROOFS, Tracker
+from irsim_gym.tasks.terms import EpisodeState, Model, State, kernel
+
+GATE = 0.35
+"""How far a cluster may be from where a track is expected, beside twice the deviation of that [m]."""
+SHIFT = 0.3
+"""How far something has to move before scans are compared [m]."""
+MARGIN = 0.1
+"""How much deeper than a disc's front a beam must reach for the place to count as free [m]."""
+SLOWEST = 0.1
+"""What is slower than this stands [m/s]."""
+UNSURE = 0.002
+"""Deviation of readings without noise, and of discs from what bodies are [m]."""
+RADIUS, SPREAD, PACE = 0.3, 0.1, 1.0
+"""Radius [m], its deviation [m] and the deviation of each component of the velocity [m/s] of a new track."""
+
+
+@kernel
+def follow_all(
+    worlds: Ints, slot: int, agents: Ints, tracker: Tracker, model: Model, state: State, episode: EpisodeState
+) -> None:
+    """Bring the tracks up to the latest scans, unless they are.
+
+    Reads: tracker (accel, closes, clusters, eyes, joined, keep, limits, noise, noted, points, scan, scans, size,
+        spacing, tracks), model (step_time), state (pose), episode (steps).
+    Writes: tracker (clusters, eyes, joined, noted, points, scans, tracks).
+    """
+    for w in worlds:
+        for a in range(agents.shape[0]):
+            step = episode.steps[w, a]
+            if step != tracker.noted[w, a] and tracker.scan.ranges.shape[2] > 0:
+                note_scan(w, a, step, state.pose[w, agents[a]], slot, tracker)
+                follow(w, a, step, slot, model.step_time[0], tracker)
+                tracker.noted[w, a] = step
+
+
+@kernel
+def note_scan(w: int, a: int, step: int, pose: Floats, slot: int, tracker: Tracker) -> None:
+    """Keep a scan and the sensor's pose, and write where its beams end.
+
+    Reads: tracker (scan).
+    Writes: tracker (eyes, points, scans).
+    """
+    scan, s, row = tracker.scan, tracker.scan.sensors[a], step % tracker.scans.shape[2]
+    cosine, sine = np.cos(pose[2]), np.sin(pose[2])
+    x = pose[0] + cosine * scan.offset[s, 0] - sine * scan.offset[s, 1]
+    y = pose[1] + sine * scan.offset[s, 0] + cosine * scan.offset[s, 1]
+    eye, ends, kept = tracker.eyes[w, a, row], tracker.points[slot, 0], tracker.scans[w, a, row]
+    eye[0], eye[1], eye[2] = x, y, pose[2]
+    for i in range(kept.shape[0]):
+        reading, ahead, left = scan.ranges[w, s, i], scan.beams_x[s, i], scan.beams_y[s, i]
+        kept[i] = reading
+        ends[0, i] = x + reading * (cosine * ahead - sine * left)
+        ends[1, i] = y + reading * (sine * ahead + cosine * left)
+
+
+@kernel
+def follow(w: int, a: int, step: int, slot: int, dt: float, tracker: Tracker) -> None:
+    """Predict the tracks, match them with the clusters of the latest scan, correct them, and begin and end some.
+
+    Reads: tracker (accel, closes, clusters, eyes, joined, keep, limits, noise, points, scan, scans, size, spacing,
+        tracks).
+    Writes: tracker (clusters, joined, points, tracks).
+    """
+    ranges, limits = tracker.scans[w, a, step % tracker.scans.shape[2]], tracker.limits[a]
+    tracks, clusters, joined = tracker.tracks[w, a], tracker.clusters[slot], tracker.joined[slot]
+    eye, kept = tracker.eyes[w, a, step % tracker.eyes.shape[2]], tracker.points[slot, 1]
+    join_beams(ranges, limits, tracker.spacing, tracker.noise[a], tracker.closes, joined)
+    count = find_clusters(ranges, limits, tracker.size, joined, tracker.points[slot], clusters)
+    push_back(eye, clusters, count)
+    for t in range(tracks.shape[0]):
+        if tracks[t].used:
+            predict(tracks[t], dt, tracker.accel)
+            tracks[t].cluster = nearest_cluster(tracks[t], clusters, count)
+            if tracks[t].score >= PROOFS and tracks[t].cluster >= 0:
+                count = claim(t, tracks, clusters, count, kept)
+    for t in range(tracks.shape[0]):
+        one = tracks[t]
+        if one.used and one.score < PROOFS and one.cluster >= 0:
+            if clusters[one.cluster].track >= 0:
+                one.cluster = -1
+            else:
+                clusters[one.cluster].track = t
+        if one.used and one.cluster >= 0:
+            points = kept[:, clusters[one.cluster].first : clusters[one.cluster].last]
+            measure(one, points, eye, a, tracker)
+            judge(w, a, step, one, points, dt, tracker)
+        elif one.used:
+            miss(w, a, step, one, dt, tracker)
+    for c in range(count):
+        if clusters[c].track < 0:
+            begin(clusters[c], kept[:, clusters[c].first : clusters[c].last], a, tracks, tracker)
+
+
+@kernel
+def push_back(eye: Floats, clusters: Records, count: int) -> None:
+    """Move the middles of clusters to where the bodies behind them may have their centres."""
+    for c in range(count):
+        dx, dy = clusters[c].x - eye[0], clusters[c].y - eye[1]
+        behind = 0.6 * RADIUS / max(np.sqrt(dx * dx + dy * dy), 1e-9)
+        clusters[c].x, clusters[c].y = clusters[c].x + behind * dx, clusters[c].y + behind * dy
+
+
+@kernel
+def predict(one: Any, dt: float, accel: float) -> None:
+    """Move a track on; its velocity may have changed at once."""
+    one.x, one.y = one.x + one.vx * dt, one.y + one.vy * dt
+    one.speed += (accel * dt) ** 2
+    one.place += dt * (2.0 * one.both + dt * one.speed)
+    one.both += dt * one.speed
+
+
+@kernel
+def nearest_cluster(one: Any, clusters: Records, count: int) -> int:
+    """Return the cluster nearest to a track, -1 if all are too far away."""
+    least, found = (GATE + 2.0 * np.sqrt(one.place)) ** 2, -1
+    for c in range(count):
+        dx, dy = one.x - clusters[c].x, one.y - clusters[c].y
+        if dx * dx + dy * dy < least:
+            least, found = dx * dx + dy * dy, c
+    return found
+
+
+@kernel
+def claim(t: int, tracks: Records, clusters: Records, count: int, points: Floats) -> int:
+    """Give a moving track its nearest cluster, and return the number of clusters.
+
+    Of a cluster that another one has claimed it gets the points that are nearer to its own edge, as a new cluster.
+
+    Writes: points.
+    """
+    whole = clusters[tracks[t].cluster]
+    if whole.track < 0:
+        whole.track = t
+        return count
+    middle = whole.last
+    k, other = whole.first, tracks[whole.track]
+    while k < middle:
+        if from_edge(tracks[t], points, k) < from_edge(other, points, k):
+            middle -= 1
+            for axis in range(2):
+                points[axis, k], points[axis, middle] = points[axis, middle], points[axis, k]
+        else:
+            k += 1
+    tracks[t].cluster = -1
+    if middle < whole.last and count < clusters.shape[0]:
+        part = clusters[count]
+        part.x, part.y, part.first, part.last, part.track = tracks[t].x, tracks[t].y, middle, whole.last, t
+        whole.last, tracks[t].cluster = middle, count
+        count += 1
+    if whole.first == whole.last:
+        other.cluster = -1
+    return count
+
+
+@kernel
+def from_edge(one: Any, points: Floats, k: int) -> float:
+    """Return the distance of a point from the edge of a track's disc [m]."""
+    dx, dy = points[0, k] - one.x, points[1, k] - one.y
+    return abs(np.sqrt(dx * dx + dy * dy) - one.radius)
+
+
+@kernel
+def measure(one: Any, points: Floats, eye: Floats, a: int, tracker: Tracker) -> None:
+    """Correct a track by the disc through its cluster: a Kalman filter, the same for both coordinates.
+
+    Reads: tracker (noise, spacing).
+    Writes: one.
+    """
+    noise = UNSURE * UNSURE + tracker.noise[a] ** 2
+    x, y, radius, spread, doubt = fit_disc(points, one.x, one.y, one.radius, one.spread, noise)
+    dx, dy = x - eye[0], y - eye[1]
+    away = max(np.sqrt(dx * dx + dy * dy), 1e-9)
+    if points.shape[1] == 1:
+        doubt += (0.3 * tracker.spacing * away) ** 2
+    # A centre that was found with another radius would have lain as much farther, or nearer.
+    grown = (radius - one.radius) / away
+    one.x, one.y, one.radius, one.spread = one.x + grown * dx, one.y + grown * dy, radius, spread
+    gain, rate = one.place / (one.place + doubt), one.both / (one.place + doubt)
+    off_x, off_y = x - one.x, y - one.y
+    one.x, one.y = one.x + gain * off_x, one.y + gain * off_y
+    one.vx, one.vy = one.vx + rate * off_x, one.vy + rate * off_y
+    one.speed -= rate * one.both
+    one.place, one.both, one.lost = (1.0 - gain) * one.place, (1.0 - gain) * one.both, 0.0
+
+
+@kernel
+def miss(w: int, a: int, step: int, one: Any, dt: float, tracker: Tracker) -> None:
+    """Count the time for which a track has not been seen, three times where beams pass through it; drop it in the end.
+
+    Reads: tracker (eyes, keep, noise, scan, scans, spacing).
+    Writes: one.
+    """
+    is_known = one.score >= PROOFS
+    one.lost += 3.0 * dt if is_known and look(w, a, step, one.x, one.y, tracker) > MARGIN - one.radius else dt
+    one.used = one.lost < (tracker.keep if is_known else 2.5 * dt)
+
+
+@kernel
+def look(w: int, a: int, step: int, x: float, y: float, tracker: Tracker) -> float:
+    """Return how far beyond a point, and a margin, both beams beside it reached in a step [m]; -9 without beams.
+
+    Reads: tracker (eyes, noise, scan, scans, spacing).
+    """
+    row, s = step % tracker.scans.shape[2], tracker.scan.sensors[a]
+    eye, ranges = tracker.eyes[w, a, row], tracker.scans[w, a, row]
+    dx, dy = x - eye[0], y - eye[1]
+    place = wrap(nearly_arctan2(dy, dx) - eye[2] - tracker.scan.angles[s, 0])
+    first = int((place if place >= 0.0 else place + TURN) / tracker.spacing)
+    if first >= ranges.shape[0] - 1:
+        return -9.0
+    away = np.sqrt(dx * dx + dy * dy)
+    return min(ranges[first], ranges[first + 1]) - away - MARGIN - 3.0 * tracker.noise[a] - away * tracker.spacing
+
+
+@kernel
+def judge(w: int, a: int, step: int, one: Any, points: Floats, dt: float, tracker: Tracker) -> None:
+    """Count the scans that show that a track moves: it is where there was free space, or has left a place that is free.
+
+    A track of which that is known is not judged again. The points are those of its cluster, ``(2, n)``.
+
+    Reads: tracker (eyes, noise, scan, scans, spacing).
+    Writes: one.
+    """
+    pace = np.sqrt(one.vx * one.vx + one.vy * one.vy)
+    if one.score >= PROOFS or pace < SLOWEST or points.shape[1] == 1:
+        one.score = one.score if one.score >= PROOFS else max(one.score - 1, 0)
+        return
+    middle, last = points.shape[1] // 2, points.shape[1] - 1
+    back = min(max(int(SHIFT / (pace * dt) + 0.5), 1), step, tracker.scans.shape[2] - 1)
+    moves = False
+    for ago in (back, (back + 1) // 2):
+        for k in (0, middle, last):
+            moves = moves or look(w, a, step - ago, points[0, k], points[1, k], tracker) > 0.0
+        x, y = points[0, middle] - ago * dt * one.vx, points[1, middle] - ago * dt * one.vy
+        was = look(w, a, step - ago, x, y, tracker)
+        moves = moves or (look(w, a, step, x, y, tracker) > 0.0 and -2.0 * MARGIN < was < 0.0)
+    one.score += 1 if moves else -min(one.score, 1)
+
+
+@kernel
+def begin(cluster: Any, points: Floats, a: int, tracks: Records, tracker: Tracker) -> None:
+    """Begin a track at a cluster, unless a body that is known to move is there, or all places are taken.
+
+    Reads: tracker (noise).
+    """
+    free = -1
+    for t in range(tracks.shape[0]):
+        dx, dy = tracks[t].x - cluster.x, tracks[t].y - cluster.y
+        if not tracks[t].used:
+            free = t
+        elif tracks[t].score >= PROOFS and dx * dx + dy * dy < (tracks[t].radius + MARGIN) ** 2:
+            return
+    if free >= 0:
+        one, noise = tracks[free], UNSURE * UNSURE + tracker.noise[a] ** 2
+        x, y, radius, spread, doubt = fit_disc(points, cluster.x, cluster.y, RADIUS, SPREAD * SPREAD, noise)
+        one.x, one.y, one.vx, one.vy, one.radius, one.spread = x, y, 0.0, 0.0, radius, spread
+        one.place, one.both, one.speed, one.lost = doubt, 0.0, PACE * PACE, 0.0
+        one.score, one.cluster, one.used = 0, -1, True

@@ -1,0 +1,63 @@
+"""Time to tracks: the time until the agent touches a moving body that its scans show, for each of many velocities."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from irsim_gym.base.arraytypes import Ints
+from irsim_gym.tasks.observations.bodies.time_to_collision import MovingPoint, ObservesTimes, Velocities, meet_disc
+from irsim_gym.tasks.observations.tracks.following import follow_all
+from irsim_gym.tasks.observations.tracks.tracker import PROOFS, FollowsTracks, Tracker
+from irsim_gym.tasks.terms import Bound, EpisodeState, Model, Shard, Simulation, State, Struct, Term, kernel, kind
+
+
+@dataclass
+class TrackedTimes(Struct):
+    """The tracks, and the observed velocities."""
+
+    tracker: Tracker
+    table: Velocities
+
+
+@kind
+class TimeToTracks(FollowsTracks, ObservesTimes):
+    """Time until a disc around the agent touches a body of ``tracks``, with the columns of ``time_to_collision``."""
+
+    def arrays(self, simulation: Simulation, agents: Ints) -> TrackedTimes:
+        """Return the tracks, the velocities in the body frame and the radii of the discs around the agents."""
+        tracker = Tracker.over(self, simulation, agents, "time_to_tracks")
+        return TrackedTimes(tracker, self.velocities(simulation.model, agents))
+
+    @staticmethod
+    def write(term: Term, model: Model, state: State, episode: EpisodeState, shard: Shard) -> None:
+        """Follow the tracks, and write the nearness of the first collision for each velocity."""
+        follow_all(shard.worlds, shard.slot, term.agents, term.arrays.tracker, model, state, episode)
+        write_track_times(shard.worlds, term.bound, term.arrays, state, episode)
+
+
+@kernel
+def write_track_times(worlds: Ints, term: Bound, timed: TrackedTimes, state: State, episode: EpisodeState) -> None:
+    """Write the nearness of the first collision for each velocity.
+
+    Reads: term (agents, column, options), timed (table, tracker), state (pose), episode (observation).
+    Writes: episode (observation).
+    """
+    options, table, horizon = term.options[0], timed.table, np.float32(term.options[0].horizon)
+    far = np.inf if np.isnan(options.range) else options.range
+    for w in worlds:
+        for a in range(term.agents.shape[0]):
+            tracks, pose = timed.tracker.tracks[w, a], state.pose[w, term.agents[a]]
+            row = episode.observation[w, a, term.column : term.column + table.ahead.shape[1]]
+            row[:] = horizon
+            cosine, sine = np.cos(pose[2]), np.sin(pose[2])
+            for t in range(tracks.shape[0]):
+                one = tracks[t]
+                dx, dy = one.x - pose[0], one.y - pose[1]
+                if one.used and one.score >= PROOFS and np.sqrt(dx * dx + dy * dy) - one.radius <= far:
+                    x, y = dx * cosine + dy * sine, dy * cosine - dx * sine
+                    vx, vy = one.vx * cosine + one.vy * sine, one.vy * cosine - one.vx * sine
+                    meet_disc(
+                        MovingPoint(x, y, vx, vy, table.radius[a] + one.radius), table.ahead[a], table.aside[a], row
+                    )
+            for j in range(row.shape[0]):
+                row[j] = np.float32(1.0) - row[j] / horizon

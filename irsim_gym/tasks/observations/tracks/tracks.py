@@ -1,0 +1,86 @@
+"""Tracks: moving bodies around an agent, as its own scans show them."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from irsim_gym.base.arraytypes import Ints
+from irsim_gym.tasks.observations.bodies.nearest_bodies import (
+    WIDTH,
+    Nearest,
+    ObservesNearest,
+    keep,
+    moving,
+    nearest_memory,
+    write_gaps,
+    write_motion,
+)
+from irsim_gym.tasks.observations.tracks.following import follow_all
+from irsim_gym.tasks.observations.tracks.tracker import PROOFS, FollowsTracks, Tracker
+from irsim_gym.tasks.terms import Bound, EpisodeState, Model, Shard, Simulation, State, Struct, Term, kernel, kind
+
+
+@dataclass
+class Tracked(Struct):
+    """The tracks, and scratch memory for the nearest of them."""
+
+    tracker: Tracker
+    nearest: Nearest
+
+
+@kind
+class Tracks(FollowsTracks, ObservesNearest):
+    """The nearest moving bodies as the agent's own scans show them, with the columns of ``nearest_bodies``.
+
+    Neighbouring points of a scan form a cluster, clusters of successive scans a track: a disc with a velocity (a Kalman
+    filter). It counts once scans have shown that it moves: it is where there was free space, or has left a place that
+    is free now. From then on it counts while it is seen, and for ``keep`` where others hide it.
+    """
+
+    def arrays(self, simulation: Simulation, agents: Ints) -> Tracked:
+        """Return the tracks and scratch memory."""
+        return Tracked(Tracker.over(self, simulation, agents, "tracks"), nearest_memory(self, simulation))
+
+    @staticmethod
+    def write(term: Term, model: Model, state: State, episode: EpisodeState, shard: Shard) -> None:
+        """Follow the tracks, and write the numbers of the nearest ones."""
+        follow_all(shard.worlds, shard.slot, term.agents, term.arrays.tracker, model, state, episode)
+        write_tracks(shard.worlds, shard.slot, term.bound, term.arrays, model, state, episode)
+
+
+@kernel
+def write_tracks(
+    worlds: Ints, slot: int, term: Bound, tracked: Tracked, model: Model, state: State, episode: EpisodeState
+) -> None:
+    """Write five numbers for each of the nearest tracks of bodies that move.
+
+    Reads: term (agents, column, options), tracked (nearest, tracker), model (disc_count, disc_start, segment_count,
+        segment_start), state (discs, pose, segments, stopped, twist).
+    Writes: tracked (nearest), episode (observation).
+    """
+    nearest, speed = tracked.nearest, term.options[0].speed
+    for w in worlds:
+        for a in range(term.agents.shape[0]):
+            body, tracks = term.agents[a], tracked.tracker.tracks[w, a]
+            x, y, heading = state.pose[w, body, 0], state.pose[w, body, 1], state.pose[w, body, 2]
+            nearest.distance[slot, :], nearest.way_x[slot, :], nearest.way_y[slot, :] = nearest.sight, 0.0, 0.0
+            nearest.body[slot, :] = -1
+            for t in range(tracks.shape[0]):
+                if tracks[t].used and tracks[t].score >= PROOFS:
+                    dx, dy = tracks[t].x - x, tracks[t].y - y
+                    away = np.sqrt(dx * dx + dy * dy)
+                    share = (away - tracks[t].radius) / away if away > 0.0 else 1.0
+                    keep(away - tracks[t].radius, share * dx, share * dy, t, slot, nearest)
+            row = episode.observation[w, a, term.column : term.column + WIDTH * nearest.distance.shape[1]]
+            write_gaps(w, body, slot, nearest, term, model, state, row)
+            own_x, own_y, ahead = (
+                moving(w, body, 0, state),
+                moving(w, body, 1, state),
+                (np.cos(heading), np.sin(heading)),
+            )
+            for k in range(nearest.distance.shape[1]):
+                t, vx, vy = nearest.body[slot, k], 0.0, 0.0
+                if t >= 0:
+                    vx, vy = tracks[t].vx - own_x, tracks[t].vy - own_y
+                way = nearest.way_x[slot, k], nearest.way_y[slot, k]
+                write_motion(way, (vx, vy), ahead, speed, row[WIDTH * k : WIDTH * (k + 1)])
