@@ -4,8 +4,6 @@ The file is an ``.npz`` archive of NumPy with the arrays of ``Demonstrations``. 
 ``observations/NAME``. ``about`` is a JSON text that describes the environment.
 """
 
-from __future__ import annotations
-
 import io
 import json
 from collections.abc import Mapping

@@ -1,7 +1,5 @@
 """The meaning of keys: velocities of the selected robot, and commands to the world."""
 
-from __future__ import annotations
-
 import time
 import warnings
 from collections.abc import Sequence

@@ -1,7 +1,5 @@
 """Monitoring of a training: clock, progress bar, log, checkpoints, and a clean stop."""
 
-from __future__ import annotations
-
 import time
 from collections.abc import Callable
 
