@@ -14,9 +14,7 @@ Splits = Annotated[str, typer.Option("--split", help="Split of the levels: train
 Count = Annotated[int, typer.Option(min=1, max=opt.MOST_LEVELS, help="Number of levels of each split.")]
 Policies = Annotated[list[str] | None, typer.Argument(help="Reference policies (default: those that fit).")]
 Certified = Annotated[str, typer.Argument(help="Shipped name, environment id, YAML file, or file of levels (.npz).")]
-OutOrBeside = Annotated[
-    Path | None, typer.Option(help="File to write (default: NAME.certificate.npz beside the file).")
-]
+OutOrBeside = Annotated[Path | None, typer.Option(help="File to write (default: NAME.certificate.npz beside it).")]
 Out = Annotated[Path, typer.Option(help="File to write, .npz.")]
 
 

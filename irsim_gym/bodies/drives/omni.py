@@ -20,9 +20,7 @@ class Omni(motion_noise.NoisyDrive):
     mirrored_command: ClassVar[tuple[tuple[int, int], ...]] = ((0, 1), (1, -1))
 
     frame: Literal["world", "body"] = option("world", meaning="Frame of the command: world, or body (forward, left).")
-    bound: Literal["components", "speed"] = option(
-        "components", meaning="What vel_max limits: each component, or speed in any direction too."
-    )
+    bound: Literal["components", "speed"] = option("components", meaning="vel_max limits components, or the speed too.")
     alpha: tuple[float, ...] = option(
         (0.03, 0.03),
         min_length=2,

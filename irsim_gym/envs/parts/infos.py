@@ -19,10 +19,7 @@ FLAGS = ("is_success", "deadlocked")
 DERIVED = ("_together", "_flat", "_flat_terms", "_row")
 """Attributes that point into arrays; a copy finds its own."""
 KEYS = (*NUMBERS, *COUNTS, *FLAGS)
-_NUMPY: dict[str, Callable[[Any], Any]] = {
-    **dict.fromkeys((*COUNTS, "shield", "cost"), np.int64),
-    **dict.fromkeys(FLAGS, np.array),
-}
+_NUMPY: dict[str, Any] = {**dict.fromkeys((*COUNTS, "shield", "cost"), np.int64), **dict.fromkeys(FLAGS, np.array)}
 """NumPy's types of all but floats; Gymnasium's vector environments make objects of ``np.bool_``."""
 Row = tuple[Any, ...]
 """The values of ``KEYS``, of the reward's terms and of extras; ``alone`` reads reward and flags behind them."""

@@ -90,10 +90,7 @@ def score_member(methods: Mapping[str, Repetitions], quarters: Ints | None = Non
     n_levels = {name: len(repetitions[0]) for name, repetitions in methods.items()}
     compared = [name for name, levels in solved.items() if len(levels) >= max(COMPARED * n_levels[name], 1)]
     common = set.intersection(*(solved[name] for name in compared)) if len(compared) > 1 else set()
-    return {
-        name: score_method(repetitions, common if name in compared else set(), quarters)
-        for name, repetitions in methods.items()
-    }
+    return {name: score_method(runs, common if name in compared else set(), quarters) for name, runs in methods.items()}
 
 
 def score_method(repetitions: Repetitions, common: set[int], quarters: Ints | None = None) -> Figures:

@@ -90,11 +90,8 @@ class ParameterSpec:
         words = {bool: "true or false", int: "a whole number", float: "a number", str: "text"}[self.value_type]
         if self.min is not None and self.max is not None:
             return f"{words} from {self.min:g} to {self.max:g}"
-        return (
-            words
-            + (f" >= {self.min:g}" if self.min is not None else "")
-            + (f" <= {self.max:g}" if self.max is not None else "")
-        )
+        bounds = ((">=", self.min), ("<=", self.max))
+        return words + "".join(f" {sign} {bound:g}" for sign, bound in bounds if bound is not None)
 
     def convert(self, value: object) -> Any:
         """Convert a value to the parameter's type if possible; numbers may be text, e.g. ``"pi/2"``."""

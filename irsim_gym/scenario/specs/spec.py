@@ -111,9 +111,7 @@ class BodyOptions:
         "absolute path, or a shipped one: car_blue.png, car_green.png, car_red.png, diff_robot0.png, diff_robot1.png; "
         "default: car_green.png for a rectangular acker robot without a colour or line style.",
     )
-    group: int | None = option(
-        None, ge=0, meaning="Number of the group; default: one per entry.", consequence="The same number joins entries."
-    )
+    group: int | None = option(None, ge=0, meaning="Number of the group, which joins entries; default: one per entry.")
     group_name: str | None = option(None, min_length=1, meaning="Name of the group; default: role_group.")
     unobstructed: bool = option(
         False,

@@ -15,9 +15,7 @@ class WorldSpec:
     """The section ``world``."""
 
     name: str = option("world", min_length=1, max_length=200, meaning="Name of the world; default: the file's name.")
-    width: float = option(
-        10.0, gt=0.0, le=1e5, unit="m", meaning="Size of the world in x.", consequence="Bodies may leave the world."
-    )
+    width: float = option(10.0, gt=0.0, le=1e5, unit="m", meaning="Size in x; bodies may leave it.")
     height: float = option(10.0, gt=0.0, le=1e5, unit="m", meaning="Size of the world in y.", consequence="As width.")
     step_time: float = option(
         0.1,

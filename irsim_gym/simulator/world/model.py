@@ -90,9 +90,7 @@ class Model(Arrays):
     centroid: Floats = column("world* body 2", np.float64, "m", "centre of the footprint's area, in the body frame")
     map_frame: Records = column("1", MAP_FRAME, "m", "where the occupancy map lies; body -1: no map")
     map_squares: Bytes = column("world* 4 map_column map_row", np.uint8, "", "free square by quadrant; 0: occupied")
-    map_room: Rays = column(
-        "world* map_column map_row", np.float32, "m", "distance of cells' centres from the occupied"
-    )
+    map_room: Rays = column("world* map_column map_row", np.float32, "m", "distance of cell centres from the occupied")
     map_boxes: Spans = column("world* map_box 4", np.int32, "", "what is occupied: first, end column; first, end row")
     map_n_boxes: Ints = column("world*", np.int64, "", "how many of these boxes count")
     map_disc: Floats = column("1", np.float64, "m", "radius of the disc that stands for an occupied cell; 0: all of it")

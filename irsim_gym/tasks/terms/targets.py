@@ -50,9 +50,7 @@ class OfBodies:
 
     needs_target: ClassVar[bool] = False
 
-    bodies: tuple[str, ...] = option(
-        (), meaning="Names of the bodies, or of their groups; default: all without a drive that can be pushed."
-    )
+    bodies: tuple[str, ...] = option((), meaning="Names of bodies or groups; default: all that can be pushed.")
     area: Area | None = option(
         None, unit="m", meaning="Where their origins belong: x0, y0, x1, y1; default: the goal of each."
     )

@@ -106,9 +106,7 @@ class TrainingRequest:
         ]
         mixed_up = perception_differences({part.scenario: part.perception() for part in settings})
         if mixed_up:
-            raise IrsimGymError(
-                f"one policy needs one perception, but {listed(mixed_up)}; --task lets all observe alike"
-            )
+            raise IrsimGymError(f"one policy needs one perception, but {listed(mixed_up)}; --task lets all see alike")
         pairs = zip(self.mixture, settings, strict=True)
         mixed = tuple(MixturePart(one.scenario, one.parameters, part.share) for part, one in pairs)
         return replace(settings[0], mixture=mixed)

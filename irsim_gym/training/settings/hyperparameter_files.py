@@ -293,11 +293,8 @@ def _policy_arguments(algorithm: Algorithm) -> tuple[str, ...]:
     except IrsimGymError:  # its package is missing
         return ()
     names = dict.fromkeys(name for policy in policies for name in _arguments_of(policy))
-    return tuple(
-        name
-        for name in names
-        if name not in ("observation_space", "action_space", "lr_schedule") and not name.endswith("_class")
-    )
+    apart = ("observation_space", "action_space", "lr_schedule")
+    return tuple(name for name in names if name not in apart and not name.endswith("_class"))
 
 
 def _arguments_of(kind: type[Any]) -> Iterator[str]:

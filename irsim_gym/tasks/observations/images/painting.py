@@ -213,11 +213,8 @@ def add_cells(canvas: Canvas, cells: Cells, w: int) -> None:
         view, box = canvas.camera, canvas.box
         world_map = map_of(cells, w)
         x, y, width, height, boxes = world_map.x, world_map.y, world_map.width, world_map.height, world_map.boxes
-        seen = (
-            CORNER
-            * (max(view.middle_x, box[2] - view.middle_x, view.middle_y, box[3] - view.middle_y) + LINE)
-            / view.scale
-        )
+        farthest = max(view.middle_x, box[2] - view.middle_x, view.middle_y, box[3] - view.middle_y)
+        seen = CORNER * (farthest + LINE) / view.scale
         for k in range(world_map.n_boxes):
             left, right = x + width * boxes[k, 0], x + width * boxes[k, 1]
             low, high = y + height * boxes[k, 2], y + height * boxes[k, 3]
