@@ -9,18 +9,9 @@ import numpy as np
 from gymnasium.error import ResetNeeded
 from numpy.typing import NDArray
 
+from irsim_gym.base import errors
 from irsim_gym.base.arraytypes import Flags, Ints, Rays
-from irsim_gym.base.errors import (
-    MissingScenarioError,
-    Problem,
-    ScenarioWarning,
-    SeveralAgentsError,
-    UnknownKeywordError,
-    UnknownNameError,
-    several,
-    suggestion,
-    warn_caller,
-)
+from irsim_gym.base.errors import Problem, ScenarioWarning, several, suggestion, warn_caller
 from irsim_gym.envs.described.description import Description, describe
 from irsim_gym.envs.described.moment import WorldMoment
 from irsim_gym.envs.parts.action_masks import ActionMasks
@@ -90,7 +81,7 @@ class Worlds:
         self.episodes = Episodes(self.simulation, self.task)
         self.infos = Infos(self.episodes)
         if self.episodes.n_agents != 1 and not team:
-            raise SeveralAgentsError(
+            raise errors.SeveralAgentsError(
                 f"a single-agent environment needs one learner, but task '{self.task.name}' has "
                 f"{self.episodes.n_agents}: name one robot in 'task.agents', or use parallel_env, make_batch or "
                 "sb3.make_multi_agent_vec_env, on the command line --team"
@@ -279,7 +270,7 @@ class Worlds:
         """
         names = self.agent_names
         if isinstance(agent, str) and agent not in names:
-            raise UnknownNameError(f"no agent named {agent!r}{suggestion(agent, names)}")
+            raise errors.UnknownNameError(f"no agent named {agent!r}{suggestion(agent, names)}")
         a = names.index(agent) if isinstance(agent, str) else agent
         return describe(self.episodes, {**self.info_of(0, a), **(more or {})}, a, of_agent=of_agent)
 
@@ -301,11 +292,11 @@ def _warn_of_idle_robots(scenario: Scenario, task: Task) -> None:
 def _loaded(scenario: ScenarioSource | None, parameters: Mapping[str, object], strict: bool) -> Scenario:
     if scenario is None:
         way = f"gymnasium.make('{ANY}', scenario='my_world.yaml')"
-        raise MissingScenarioError(f"no scenario given: {way} takes {SOURCES}")
+        raise errors.MissingScenarioError(f"no scenario given: {way} takes {SOURCES}")
     if not isinstance(scenario, Scenario):
         with given_as_keywords():
             return load_scenario(scenario, parameters, strict=strict)
     if parameters:
         message = f"pass parameters to load_scenario(); '{scenario.name}' is already loaded"
-        raise UnknownKeywordError.of(next(iter(parameters)), message)
+        raise errors.UnknownKeywordError.of(next(iter(parameters)), message)
     return scenario if strict else replace(scenario, strict=False)

@@ -129,12 +129,8 @@ class WorldParallelEnv(OneWorld, ParallelEnv[str, Observation, Any]):  # type: i
         self.worlds = worlds
         self.black_death = black_death
         self.render_mode = worlds.render_mode
-        self.metadata = {
-            "name": f"{worlds.scenario.name}_v0",
-            "render_modes": list(RENDER_MODES),
-            "render_fps": worlds.render_fps,
-            "is_parallelizable": True,
-        }
+        self.metadata = {"name": f"{worlds.scenario.name}_v0", "render_modes": list(RENDER_MODES)}
+        self.metadata |= {"render_fps": worlds.render_fps, "is_parallelizable": True}
         self.possible_agents: list[str] = list(worlds.agent_names)
         self.agents: list[str] = []
         self._indices = {name: a for a, name in enumerate(self.possible_agents)}

@@ -13,13 +13,9 @@ from irsim_gym.base.arraytypes import Floats, Ints
 from irsim_gym.base.errors import IrsimGymError
 from irsim_gym.evaluation.levels.certificate import find_certificate
 from irsim_gym.evaluation.levels.played import QUARTER_NAMES, PlayedLevels
+from irsim_gym.evaluation.measures import statistics
 from irsim_gym.evaluation.measures.metrics import OUTCOMES, EpisodeRow, mean
-from irsim_gym.evaluation.measures.statistics import (
-    Estimate,
-    interquartile_mean,
-    probability_of_improvement,
-    stratified_mean,
-)
+from irsim_gym.evaluation.measures.statistics import Estimate, probability_of_improvement, stratified_mean
 from irsim_gym.evaluation.measures.team_metrics import COMPARED, TEAM_HITS, TeamRow, TeamSummary, summarize_team
 from irsim_gym.evaluation.measures.worst_levels import worst_shares
 from irsim_gym.evaluation.protocol.tables import plain
@@ -176,7 +172,7 @@ def overall(success: Mapping[str, Mapping[str, Sequence[float]]], methods: Seque
         }
         for first in methods
     }
-    means = {method: interquartile_mean(scores[method]) for method in methods}
+    means = {method: statistics.interquartile_mean(scores[method]) for method in methods}
     return {"benchmarks": common, "success": means, "improvement": better}
 
 

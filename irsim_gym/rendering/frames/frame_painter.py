@@ -160,13 +160,9 @@ class FramePainter:
             if layout not in looks:
                 looks[layout] = look_from(layout), self._boxes(layout)
         places = [looks[layout] for layout in layouts]
-        return records.Look(
-            views=np.array([view for view, _ in places]),
-            boxes=np.array([boxes for _, boxes in places]),
-            bounds=self._model.bounds,
-            flag=np.array(theme.FLAG) * self.point,
-            flagged=self.plan.flagged,
-        )
+        views, boxes = (np.array([place[k] for place in places]) for k in (0, 1))
+        bounds, flag = self._model.bounds, np.array(theme.FLAG) * self.point
+        return records.Look(views=views, boxes=boxes, bounds=bounds, flag=flag, flagged=self.plan.flagged)
 
     def _boxes(self, layout: Layout) -> Ints:
         plot = plot_box(layout)

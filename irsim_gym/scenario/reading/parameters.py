@@ -163,14 +163,9 @@ def describe_parameters(source: Source, values: Mapping[str, Value] | None = Non
 
 
 def _lines(specs: Mapping[str, ParameterSpec], values: Mapping[str, Value]) -> list[str]:
-    cells = [
-        (
-            f"{name} = {show(values.get(name, spec.default))}" + (f" [{spec.unit}]" if spec.unit else ""),
-            spec.allowed,
-            spec.meaning,
-        )
-        for name, spec in specs.items()
-    ]
+    shown = {name: f"{name} = {show(values.get(name, spec.default))}" for name, spec in specs.items()}
+    units = {name: f" [{spec.unit}]" if spec.unit else "" for name, spec in specs.items()}
+    cells = [(shown[name] + units[name], spec.allowed, spec.meaning) for name, spec in specs.items()]
     first, second = (max((len(row[i]) for row in cells), default=0) for i in (0, 1))
     return [f"{value:<{first}}   {allowed:<{second}}   {meaning}" for value, allowed, meaning in cells]
 

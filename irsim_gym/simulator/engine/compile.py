@@ -38,12 +38,8 @@ from irsim_gym.simulator.world.model import (
 )
 from irsim_gym.simulator.world.names import Flags, Outline, State
 
-COLLISION_MODES = {
-    "stop": STOP,
-    "unobstructed": UNOBSTRUCTED,
-    "unobstructed_obstacles": UNOBSTRUCTED_OBSTACLES,
-    "contact": CONTACT,
-}
+COLLISION_MODES = {"stop": STOP, "unobstructed": UNOBSTRUCTED, "contact": CONTACT}
+COLLISION_MODES |= {"unobstructed_obstacles": UNOBSTRUCTED_OBSTACLES}
 ARRIVE_MODES = {"position": POSITION, "state": STATE}
 RANDOM_OUTLINE = frozenset(
     {"local_segments", "local_discs", "segment_count", "disc_count", "reach", "radius", "centroid"}

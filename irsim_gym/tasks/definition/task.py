@@ -161,16 +161,8 @@ def load_task(
     assert options is not None
     parts: dict[str, Any] = {key: tuple(item for _, item in items) for key, items in terms.items()}
     limit = options.max_steps if max_steps is None else max_steps
-    return Task(
-        name,
-        agents,
-        limit,
-        action,
-        **parts,
-        **{name: getattr(options, name) for name in CARRIED},
-        names_agents=bool(options.agents),
-        shield=shield,
-    )
+    parts |= {name: getattr(options, name) for name in CARRIED}
+    return Task(name, agents, limit, action, **parts, names_agents=bool(options.agents), shield=shield)
 
 
 def merged_task(

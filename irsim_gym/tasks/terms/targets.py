@@ -81,13 +81,9 @@ class OfBodies:
         """Return the bodies with their targets."""
         bodies, n_worlds = np.array(self.chosen(simulation.scenario), np.int64), simulation.n_worlds
         shape = (n_worlds, len(bodies))
-        return Targets(
-            bodies=bodies,
-            area=np.array(NO_AREA if self.area is None else self.area, np.float64),
-            goal=np.zeros((*shape, 2)),
-            distance=np.zeros(shape),
-            counted=np.zeros((n_worlds, n_agents, len(bodies)), np.bool_),
-        )
+        area = np.array(NO_AREA if self.area is None else self.area, np.float64)
+        counted = np.zeros((n_worlds, n_agents, len(bodies)), np.bool_)
+        return Targets(bodies=bodies, area=area, goal=np.zeros((*shape, 2)), distance=np.zeros(shape), counted=counted)
 
 
 @kind

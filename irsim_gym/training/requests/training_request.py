@@ -119,12 +119,8 @@ class TrainingRequest:
         learned = load_task(loaded, self.task)
         chosen.check_action(learned.action, ACTIONS.name_of(type(learned.action)))
         names = algorithm, environment_id(self.scenario)
-        chosen_file: dict[str, Any] = {
-            "task": self.task_name,
-            "images": any(isinstance(term, IsImage) for term in learned.observations),
-            "file": self.hyperparameters,
-            "changes": self.changes,
-        }
+        chosen_file: dict[str, Any] = {"task": self.task_name, "file": self.hyperparameters, "changes": self.changes}
+        chosen_file["images"] = any(isinstance(term, IsImage) for term in learned.observations)
         hyperparameters = load_hyperparameters(*names, **chosen_file, overrides=self.overrides)
         task = None if self.task is None else lasting(self.task)
         settings = Settings(named, algorithm, self.seed, task, hyperparameters, loaded.parameters, self.strict)

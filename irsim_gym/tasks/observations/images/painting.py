@@ -125,14 +125,8 @@ def image_row(view: View, x: float, y: float) -> float:
 def add_side(canvas: Canvas, a: Point, b: Point) -> None:
     """Add a side of an area from a to b [m] to a sheet; the area is to its left."""
     sheet, box, view = canvas
-    add_edge(
-        sheet,
-        box,
-        image_column(view, b[0], b[1]),
-        image_row(view, b[0], b[1]),
-        image_column(view, a[0], a[1]),
-        image_row(view, a[0], a[1]),
-    )
+    x, y = image_column(view, b[0], b[1]), image_row(view, b[0], b[1])
+    add_edge(sheet, box, x, y, image_column(view, a[0], a[1]), image_row(view, a[0], a[1]))
 
 
 @kernel
