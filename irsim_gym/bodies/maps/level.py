@@ -38,12 +38,9 @@ class MapTables(Struct):
 def map_tables(model: Model, n_slots: int) -> MapTables:
     """Return memory for maps of the model's size."""
     columns, rows = model.map_room.shape[1:]
-    return MapTables(
-        occupied=np.zeros((n_slots, columns, rows), np.bool_),
-        before=np.zeros((n_slots, columns, rows), np.bool_),
-        line=np.zeros((n_slots, columns)),
-        order=np.zeros((n_slots, max(columns * rows, LEAST_ORDER)), np.int64),
-    )
+    occupied, before = (np.zeros((n_slots, columns, rows), np.bool_) for _ in range(2))
+    order = np.zeros((n_slots, max(columns * rows, LEAST_ORDER)), np.int64)
+    return MapTables(occupied=occupied, before=before, line=np.zeros((n_slots, columns)), order=order)
 
 
 @kind

@@ -184,16 +184,11 @@ class FramePainter:
                 radial = group.arrays["radial_velocity"][worlds].reshape(row.shape)
                 speeds[:, first : first + row.shape[1]] = radial
             first += row.shape[1]
-        return records.RasterSource(
-            self.plan.scans,
-            model,
-            state,
-            records.Readings(self.plan.angles, ranges, speeds, self._explored),
-            records.Past(*self._reader.trails.tables()),
-            records.Prints(
-                self._masks.levels, self._masks.rows, self._images.pixels, self._images.rows, self.plan.corners
-            ),
-        )
+        read = records.Readings(self.plan.angles, ranges, speeds, self._explored)
+        masks, images = self._masks, self._images
+        prints = records.Prints(masks.levels, masks.rows, images.pixels, images.rows, self.plan.corners)
+        past = records.Past(*self._reader.trails.tables())
+        return records.RasterSource(self.plan.scans, model, state, read, past, prints)
 
     def words(self, worlds: Ints, statuses: Sequence[str], overlays: Sequence[Overlay]) -> tuple[Ints, Ints, Floats]:
         """Return the words of the heads: their places, the end of each picture's words, and their colours."""

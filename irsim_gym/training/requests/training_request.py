@@ -65,15 +65,10 @@ class TrainingRequest:
 
     def with_mixture(self, mixture: Mixture) -> Self:
         """Return a request to train a mixture. What this one states replaces what the mixture's file states."""
-        return replace(
-            self,
-            scenario=mixture.parts[0].scenario,
-            algorithm=self.algorithm or mixture.algorithm,
-            task=self.task or mixture.task,
-            hyperparameters=self.hyperparameters or mixture.hyperparameters,
-            mixture=mixture.parts,
-            mixture_name=mixture.name,
-        )
+        task, algorithm = self.task or mixture.task, self.algorithm or mixture.algorithm
+        parts: dict[str, Any] = {"mixture": mixture.parts, "mixture_name": mixture.name, "algorithm": algorithm}
+        parts |= {"task": task, "hyperparameters": self.hyperparameters or mixture.hyperparameters}
+        return replace(self, scenario=mixture.parts[0].scenario, **parts)
 
     @property
     def overrides(self) -> dict[str, Any]:
