@@ -18,15 +18,10 @@ from irsim_gym.base.errors import UnknownNameError, suggestion
 from irsim_gym.envs.described.description import Description
 from irsim_gym.envs.gymnasium.explained import OneWorld
 from irsim_gym.envs.gymnasium.worlds import ScenarioSource, TaskSource, Worlds
+from irsim_gym.envs.parts import spaces
 from irsim_gym.envs.parts.observations import on_each
 from irsim_gym.envs.parts.pictures import RENDER_MODES, render_warning
-from irsim_gym.envs.parts.spaces import (
-    Observation,
-    ObservationLayout,
-    action_space,
-    observation_layout,
-    observation_space,
-)
+from irsim_gym.envs.parts.spaces import Observation, ObservationLayout
 from irsim_gym.simulator.engine.given import LEVELS
 from irsim_gym.tasks.episodes.levels import CHAIN
 
@@ -139,9 +134,9 @@ class WorldParallelEnv(OneWorld, ParallelEnv[str, Observation, Any]):  # type: i
         self.action_spaces: dict[str, Space[Any]] = {}
         for name, a in self._indices.items():
             agent = None if padded else a
-            self._layouts[name] = observation_layout(worlds.episodes, agent)
-            self.observation_spaces[name] = observation_space(worlds.episodes, agent)
-            self.action_spaces[name] = action_space(worlds.episodes, agent)
+            self._layouts[name] = spaces.observation_layout(worlds.episodes, agent)
+            self.observation_spaces[name] = spaces.observation_space(worlds.episodes, agent)
+            self.action_spaces[name] = spaces.action_space(worlds.episodes, agent)
         self.state_space = Box(-1.0, 1.0, (worlds.episodes.team_state_size,), np.float32)
         self._padded = padded
         self._np_random: np.random.Generator | None = None
@@ -268,10 +263,10 @@ class WorldParallelEnv(OneWorld, ParallelEnv[str, Observation, Any]):  # type: i
         first = self.possible_agents[0]
         return self.worlds.describe(agent or 0, of_agent=not self._padded, more=self._infos([first])[first])
 
-    def _of(self, spaces: Mapping[str, Space[Any]], agent: str) -> Space[Any]:
-        if agent not in spaces:
+    def _of(self, every: Mapping[str, Space[Any]], agent: str) -> Space[Any]:
+        if agent not in every:
             raise UnknownNameError(f"no agent named {agent!r}{suggestion(str(agent), self.possible_agents)}")
-        return spaces[agent]
+        return every[agent]
 
     def _taken(self, actions: Mapping[str, object]) -> NDArray[Any]:
         """Return the actions as the batch of one takes them; those of agents that have ended are 0."""
