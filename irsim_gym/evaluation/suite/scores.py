@@ -13,13 +13,9 @@ from irsim_gym.base.arraytypes import Ints
 from irsim_gym.base.errors import IrsimGymError
 from irsim_gym.evaluation.levels.certificate import find_certificate
 from irsim_gym.evaluation.levels.played import QUARTER_NAMES, PlayedLevels
+from irsim_gym.evaluation.measures import statistics
 from irsim_gym.evaluation.measures.metrics import OUTCOMES, EpisodeRow, mean
-from irsim_gym.evaluation.measures.statistics import (
-    Estimate,
-    interquartile_mean,
-    probability_of_improvement,
-    stratified_mean,
-)
+from irsim_gym.evaluation.measures.statistics import Estimate, probability_of_improvement, stratified_mean
 from irsim_gym.evaluation.measures.team_metrics import COMPARED, TEAM_HITS, TeamRow, TeamSummary, summarize_team
 from irsim_gym.evaluation.measures.worst_levels import worst_shares
 from irsim_gym.evaluation.protocol.tables import plain
@@ -89,10 +85,7 @@ def score_member(methods: Mapping[str, Repetitions], quarters: Ints | None = Non
     n_levels = {name: len(repetitions[0]) for name, repetitions in methods.items()}
     compared = [name for name, levels in solved.items() if len(levels) >= max(COMPARED * n_levels[name], 1)]
     common = set.intersection(*(solved[name] for name in compared)) if len(compared) > 1 else set()
-    return {
-        name: score_method(repetitions, common if name in compared else set(), quarters)
-        for name, repetitions in methods.items()
-    }
+    return {name: score_method(runs, common if name in compared else set(), quarters) for name, runs in methods.items()}
 
 
 def score_method(repetitions: Repetitions, common: set[int], quarters: Ints | None = None) -> Figures:
@@ -178,7 +171,7 @@ def overall(success: Mapping[str, Mapping[str, Sequence[float]]], methods: Seque
         }
         for first in methods
     }
-    means = {method: interquartile_mean(scores[method]) for method in methods}
+    means = {method: statistics.interquartile_mean(scores[method]) for method in methods}
     return {"benchmarks": common, "success": means, "improvement": better}
 
 

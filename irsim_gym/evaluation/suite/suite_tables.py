@@ -134,12 +134,7 @@ def _notes(record: SuiteRecord, name: str) -> list[str]:
     seeds = {method: score["repetitions"] for method, score in scores.items() if score["repetitions"] > 1}
     if seeds:
         notes.append("Policies: " + ", ".join(f"{method} {count}" for method, count in seeds.items()) + ".")
-    left = {
-        method: entry["left_out"]
-        for method, entries in record.runs[name].items()
-        for entry in entries
-        if "left_out" in entry
-    }
+    left = {method: run["left_out"] for method, runs in record.runs[name].items() for run in runs if "left_out" in run}
     notes += [f"Without {method}: {reason}." for method, reason in left.items()]
     return [note for note in notes if note]
 

@@ -1,7 +1,5 @@
 """What a body weighs, and what it feels of others that it touches (``collision_mode: contact``)."""
 
-from __future__ import annotations
-
 from abc import ABC
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, NoReturn
