@@ -16,8 +16,12 @@ SHIFT = 0.3
 """How far something has to move before scans are compared [m]."""
 MARGIN = 0.1
 """How much deeper than a disc's front a beam must reach for the place to count as free [m]."""
+MOST_PROOFS = 6
+"""As many count; each scan that does not show it takes one away."""
 SLOWEST = 0.1
 """What is slower than this stands [m/s]."""
+VAGUE = 0.02
+"""Variance of a place [m2] above which a cluster is no disc that could be seen to move."""
 UNSURE = 0.002
 """Deviation of readings without noise, and of discs from what bodies are [m]."""
 RADIUS, SPREAD, PACE = 0.3, 0.1, 1.0
@@ -185,6 +189,7 @@ def measure(one: Any, points: Floats, eye: Floats, a: int, tracker: Tracker) -> 
     # A centre that was found with another radius would have lain as much farther, or nearer.
     grown = (radius - one.radius) / away
     one.x, one.y, one.radius, one.spread = one.x + grown * dx, one.y + grown * dy, radius, spread
+    one.begin_x, one.begin_y = one.begin_x + grown * dx, one.begin_y + grown * dy
     gain, rate = one.place / (one.place + doubt), one.both / (one.place + doubt)
     off_x, off_y = x - one.x, y - one.y
     one.x, one.y = one.x + gain * off_x, one.y + gain * off_y
@@ -226,14 +231,16 @@ def look(w: int, a: int, step: int, x: float, y: float, tracker: Tracker) -> flo
 def judge(w: int, a: int, step: int, one: Any, points: Floats, dt: float, tracker: Tracker) -> None:
     """Count the scans that show that a track moves: it is where there was free space, or has left a place that is free.
 
-    A track of which that is known is not judged again. The points are those of its cluster, ``(2, n)``.
+    A moving track that has left its beginning is not judged again. The points are those of its cluster, ``(2, n)``.
 
     Reads: tracker (eyes, noise, scan, scans, spacing).
     Writes: one.
     """
+    if one.score > MOST_PROOFS:
+        return
     pace = np.sqrt(one.vx * one.vx + one.vy * one.vy)
-    if one.score >= PROOFS or pace < SLOWEST or points.shape[1] == 1:
-        one.score = one.score if one.score >= PROOFS else max(one.score - 1, 0)
+    if pace < SLOWEST or one.place > VAGUE or points.shape[1] == 1:
+        one.score = max(one.score - 1, 0)
         return
     middle, last = points.shape[1] // 2, points.shape[1] - 1
     back = min(max(int(SHIFT / (pace * dt) + 0.5), 1), step, tracker.scans.shape[2] - 1)
@@ -244,7 +251,10 @@ def judge(w: int, a: int, step: int, one: Any, points: Floats, dt: float, tracke
         x, y = points[0, middle] - ago * dt * one.vx, points[1, middle] - ago * dt * one.vy
         was = look(w, a, step - ago, x, y, tracker)
         moves = moves or (look(w, a, step, x, y, tracker) > 0.0 and -2.0 * MARGIN < was < 0.0)
-    one.score += 1 if moves else -min(one.score, 1)
+    one.score = min(one.score + 1, MOST_PROOFS) if moves else max(one.score - 1, 0)
+    dx, dy = one.x - one.begin_x, one.y - one.begin_y
+    if one.score >= PROOFS and dx * dx + dy * dy > SHIFT * SHIFT:
+        one.score = MOST_PROOFS + 1
 
 
 @kernel
@@ -264,5 +274,6 @@ def begin(cluster: Any, points: Floats, a: int, tracks: Records, tracker: Tracke
         one, noise = tracks[free], UNSURE * UNSURE + tracker.noise[a] ** 2
         x, y, radius, spread, doubt = fit_disc(points, cluster.x, cluster.y, RADIUS, SPREAD * SPREAD, noise)
         one.x, one.y, one.vx, one.vy, one.radius, one.spread = x, y, 0.0, 0.0, radius, spread
+        one.begin_x, one.begin_y = x, y
         one.place, one.both, one.speed, one.lost = doubt, 0.0, PACE * PACE, 0.0
         one.score, one.cluster, one.used = 0, -1, True
