@@ -16,6 +16,8 @@ SHIFT = 0.3
 """How far something has to move before scans are compared [m]."""
 MARGIN = 0.1
 """How much deeper than a disc's front a beam must reach for the place to count as free [m]."""
+EDGE = 0.6
+"""... and besides, as a share of the way between two beams there: an edge may stand out between them."""
 MOST_PROOFS = 6
 """As many count; each scan that does not show it takes one away."""
 SLOWEST = 0.1
@@ -224,7 +226,8 @@ def look(w: int, a: int, step: int, x: float, y: float, tracker: Tracker) -> flo
     if first >= ranges.shape[0] - 1:
         return -9.0
     away = np.sqrt(dx * dx + dy * dy)
-    return min(ranges[first], ranges[first + 1]) - away - MARGIN - 3.0 * tracker.noise[a] - away * tracker.spacing
+    margin = MARGIN + EDGE * away * tracker.spacing + 3.0 * tracker.noise[a]
+    return min(ranges[first], ranges[first + 1]) - away - margin
 
 
 @kernel
@@ -236,10 +239,10 @@ def judge(w: int, a: int, step: int, one: Any, points: Floats, dt: float, tracke
     Reads: tracker (eyes, noise, scan, scans, spacing).
     Writes: one.
     """
-    if one.score > MOST_PROOFS:
+    if one.score > MOST_PROOFS or points.shape[1] == 1:
         return
     pace = np.sqrt(one.vx * one.vx + one.vy * one.vy)
-    if pace < SLOWEST or one.place > VAGUE or points.shape[1] == 1:
+    if pace < SLOWEST or one.place > VAGUE:
         one.score = max(one.score - 1, 0)
         return
     middle, last = points.shape[1] // 2, points.shape[1] - 1
