@@ -1,14 +1,28 @@
 """Time to tracks: the time until the agent touches a moving body that its scans show, for each of many velocities."""
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 
 from irsim_gym.base.arraytypes import Ints
 from irsim_gym.tasks.observations.bodies.time_to_collision import MovingPoint, ObservesTimes, Velocities, meet_disc
+from irsim_gym.tasks.observations.scan.ranges import WITHOUT_SENSOR
 from irsim_gym.tasks.observations.tracks.following import follow_all
-from irsim_gym.tasks.observations.tracks.tracker import PROOFS, FollowsTracks, Tracker
+from irsim_gym.tasks.observations.tracks.tracker import (
+    ACCEL,
+    KEEP,
+    NEEDS,
+    PROOFS,
+    SIZE,
+    TOLD,
+    Tracker,
+    forget_tracks,
+    share_tracks,
+)
 from irsim_gym.tasks.terms import Bound, EpisodeState, Model, Shard, Simulation, State, Struct, Term, kernel, kind
+from irsim_gym.tasks.terms.term import Needs
 
 
 @dataclass
@@ -20,13 +34,30 @@ class TrackedTimes(Struct):
 
 
 @kind
-class TimeToTracks(FollowsTracks, ObservesTimes):
+class TimeToTracks(ObservesTimes):
     """Time until a disc around the agent touches a body of ``tracks``, with the columns of ``time_to_collision``."""
+
+    needs: ClassVar[Needs] = NEEDS
+    told: ClassVar[Mapping[str, bool]] = TOLD
+
+    size: float = SIZE
+    accel: float = ACCEL
+    keep: float = KEEP
+    without_sensor: str | tuple[str, ...] = WITHOUT_SENSOR
 
     def arrays(self, simulation: Simulation, agents: Ints) -> TrackedTimes:
         """Return the tracks, the velocities in the body frame and the radii of the discs around the agents."""
         tracker = Tracker.over(self, simulation, agents, "time_to_tracks")
         return TrackedTimes(tracker, self.velocities(simulation.model, agents))
+
+    def join(self, term: Term, earlier: Sequence[Term]) -> None:
+        """Share the tracks of an earlier observation, if possible."""
+        term.arrays.tracker = share_tracks(term.arrays.tracker, earlier)
+
+    @staticmethod
+    def begin(term: Term, model: Model, state: State, episode: EpisodeState, shard: Shard) -> None:
+        """Delete the tracks."""
+        forget_tracks(shard.worlds, term.arrays.tracker, episode)
 
     @staticmethod
     def write(term: Term, model: Model, state: State, episode: EpisodeState, shard: Shard) -> None:
