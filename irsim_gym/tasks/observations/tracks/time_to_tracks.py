@@ -1,6 +1,6 @@
 """Time to tracks: the time until the agent touches a moving body that its scans show, for each of many velocities."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -18,7 +18,7 @@ from irsim_gym.tasks.observations.tracks.tracker import (
     SIZE,
     TOLD,
     Tracker,
-    forget_tracks,
+    begin_tracks,
     share_tracks,
 )
 from irsim_gym.tasks.terms import Bound, EpisodeState, Model, Shard, Simulation, State, Struct, Term, kernel, kind
@@ -45,19 +45,12 @@ class TimeToTracks(ObservesTimes):
     keep: float = KEEP
     without_sensor: str | tuple[str, ...] = WITHOUT_SENSOR
 
+    join, begin = share_tracks, staticmethod(begin_tracks)
+
     def arrays(self, simulation: Simulation, agents: Ints) -> TrackedTimes:
         """Return the tracks, the velocities in the body frame and the radii of the discs around the agents."""
         tracker = Tracker.over(self, simulation, agents, "time_to_tracks")
         return TrackedTimes(tracker, self.velocities(simulation.model, agents))
-
-    def join(self, term: Term, earlier: Sequence[Term]) -> None:
-        """Share the tracks of an earlier observation, if possible."""
-        term.arrays.tracker = share_tracks(term.arrays.tracker, earlier)
-
-    @staticmethod
-    def begin(term: Term, model: Model, state: State, episode: EpisodeState, shard: Shard) -> None:
-        """Delete the tracks."""
-        forget_tracks(shard.worlds, term.arrays.tracker, episode)
 
     @staticmethod
     def write(term: Term, model: Model, state: State, episode: EpisodeState, shard: Shard) -> None:

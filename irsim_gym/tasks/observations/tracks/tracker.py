@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, Self, cast
+from typing import Any, Self
 
 import numpy as np
 
@@ -12,7 +12,7 @@ from irsim_gym.simulator.engine.own_scans import own_scan
 from irsim_gym.simulator.world.own_scan import OwnScan
 from irsim_gym.tasks.observations.scan.ranges import shared_sensors
 from irsim_gym.tasks.observations.tracks.clusters import CLUSTER
-from irsim_gym.tasks.terms import EpisodeState, Simulation, Struct, Term, kernel, option
+from irsim_gym.tasks.terms import EpisodeState, Model, Shard, Simulation, State, Struct, Term, kernel, option
 from irsim_gym.tasks.terms.term import Needs
 
 TRACK = record_type(
@@ -114,13 +114,18 @@ class Tracker(Struct):
         )
 
 
-def share_tracks(tracker: Tracker, earlier: Sequence[Term]) -> Tracker:
-    """Return the tracks of an earlier observation that follows them alike, to share them; else the own ones."""
-    for term in earlier:
-        other = getattr(term.arrays, "tracker", None)
-        if other and (other.size, other.accel, other.keep) == (tracker.size, tracker.accel, tracker.keep):
-            return cast(Tracker, other)
-    return tracker
+def share_tracks(options: Any, term: Term, earlier: Sequence[Term]) -> None:
+    """Share the tracks of an earlier observation that follows them alike; the method ``join`` of such observations."""
+    own = term.arrays.tracker
+    for one in earlier:
+        other = getattr(one.arrays, "tracker", None)
+        if other and (other.size, other.accel, other.keep) == (own.size, own.accel, own.keep):
+            term.arrays.tracker = other
+
+
+def begin_tracks(term: Term, model: Model, state: State, episode: EpisodeState, shard: Shard) -> None:
+    """Delete the tracks; the method ``begin`` of observations that follow them."""
+    forget_tracks(shard.worlds, term.arrays.tracker, episode)
 
 
 @kernel

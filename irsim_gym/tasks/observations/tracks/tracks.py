@@ -1,6 +1,6 @@
 """Tracks: moving bodies around an agent, as its own scans show them."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -27,7 +27,7 @@ from irsim_gym.tasks.observations.tracks.tracker import (
     SIZE,
     TOLD,
     Tracker,
-    forget_tracks,
+    begin_tracks,
     share_tracks,
 )
 from irsim_gym.tasks.terms import Bound, EpisodeState, Model, Shard, Simulation, State, Struct, Term, kernel, kind
@@ -59,18 +59,11 @@ class Tracks(ObservesNearest):
     keep: float = KEEP
     without_sensor: str | tuple[str, ...] = WITHOUT_SENSOR
 
+    join, begin = share_tracks, staticmethod(begin_tracks)
+
     def arrays(self, simulation: Simulation, agents: Ints) -> Tracked:
         """Return the tracks and scratch memory."""
         return Tracked(Tracker.over(self, simulation, agents, "tracks"), nearest_memory(self, simulation))
-
-    def join(self, term: Term, earlier: Sequence[Term]) -> None:
-        """Share the tracks of an earlier observation, if possible."""
-        term.arrays.tracker = share_tracks(term.arrays.tracker, earlier)
-
-    @staticmethod
-    def begin(term: Term, model: Model, state: State, episode: EpisodeState, shard: Shard) -> None:
-        """Delete the tracks."""
-        forget_tracks(shard.worlds, term.arrays.tracker, episode)
 
     @staticmethod
     def write(term: Term, model: Model, state: State, episode: EpisodeState, shard: Shard) -> None:
