@@ -30,7 +30,7 @@ def text(found: Found) -> str:
     """Return what README.md says of the results."""
     parts = []
     if PEERS in found or CASES in found:
-        figures = {**found.get(CASES, {}).get("results", {}), **found.get(PEERS, {}).get("results", {})}
+        figures = {name: values for result in found.values() for name, values in result["results"].items()}
         parts += ["## Targets and figures", tables.targets(figures)]
     if PEERS in found:
         parts += ["## Figures beside others", "![agent-steps per second](charts/peers.png)"]

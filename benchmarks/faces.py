@@ -1,4 +1,4 @@
-"""S1 through every interface, S2, S3 and S4."""
+"""S1 through every interface, S2 to S5."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from functools import partial
 import c_twin
 import players
 from effort import Effort, Figures
-from standard_worlds import s1, s2, s3, s4
+from standard_worlds import s1, s2, s3, s4, s5
 
 BATCHES = (1, 16, 64, 256, 1024, 4096)
 LARGE = 1024
@@ -69,6 +69,14 @@ def s4_team(effort: Effort) -> Figures:
     }
 
 
+def s5_pushing(effort: Effort) -> Figures:
+    """Measure a robot that pushes bodies, per step."""
+    return {
+        f"core_{n_worlds}_worlds_us": effort.per_agent_us(players.pushing(s5(), n_worlds))
+        for n_worlds in effort.sizes((1, 64, 1024))
+    }
+
+
 FACES = {
     "s1/faces": s1_faces,
     "s1/twin": s1_twin,
@@ -77,4 +85,5 @@ FACES = {
     "s3/cave": partial(s3_map, "cave"),
     "s3/floor_plan": partial(s3_map, "floor_plan"),
     "s4": s4_team,
+    "s5": s5_pushing,
 }

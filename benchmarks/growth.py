@@ -6,10 +6,11 @@ import time
 
 import players
 from effort import Effort, Figures
-from standard_worlds import ORCA, crowd, s1, s3
+from standard_worlds import ORCA, crowd, s1, s3, s5
 
 AGENTS = (10, 30, 100, 300, 1000, 3000, 10_000)
 OBSTACLES = (10, 40, 160, 640)
+PUSHED = (10, 30, 100)
 BEAMS = (16, 60, 180, 360, 720, 1080)
 WORLDS = (1, 4, 16, 64, 256, 1024, 4096)
 THREADS = (1, 2)
@@ -51,10 +52,17 @@ def threads(effort: Effort) -> Figures:
     return figures
 
 
+def pushed(effort: Effort) -> Figures:
+    """Measure S5 with more bodies in a larger room."""
+    batch = min(BATCH, effort.largest or BATCH)
+    return {f"{n}_bodies_us": effort.per_agent_us(players.pushing(s5(n), batch)) for n in effort.sizes(PUSHED)}
+
+
 GROWTH = {
     "growth/agents": agents,
     "growth/obstacles": obstacles,
     "growth/beams": beams,
+    "growth/pushed": pushed,
     "growth/worlds": worlds,
     "growth/threads": threads,
 }

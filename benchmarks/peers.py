@@ -57,6 +57,7 @@ WORKS: dict[str, Mapping[str, Any]] = {
     "s3_cave": {"scenario": worlds.s3("cave")},
     "s3_floor_plan": {"scenario": worlds.s3("floor_plan")},
     "s4": {"scenario": worlds.s4(), "n_steps": worlds.TEAM_STEPS},
+    "s5": {"scenario": worlds.s5(), "n_steps": worlds.PUSH_STEPS},
     **{f"orca_{n}": {"scenario": worlds.crowd(worlds.ORCA, n), "n_steps": worlds.RUN_STEPS} for n in CROWDS},
 }
 
@@ -93,7 +94,7 @@ def about(peer: str) -> dict[str, Any]:
 
 def starts_of(scenario: Mapping[str, Any]) -> list[list[float]]:
     """Return x, y, heading and the goal's x, y of the learner in the first levels, as our environments draw them."""
-    if "task" not in scenario or is_team(scenario):
+    if "task" not in scenario or has_levels(scenario):
         return []
     state = drawn(scenario, N_STARTS).simulation.state
     pairs = zip(state.pose[:, 0].tolist(), state.goal[:, 0, :2].tolist(), strict=True)
@@ -101,8 +102,8 @@ def starts_of(scenario: Mapping[str, Any]) -> list[list[float]]:
 
 
 def levels_of(scenario: Mapping[str, Any]) -> list[list[list[float]]]:
-    """Return x, y, heading of every body in the first levels of a team, as our environments draw them."""
-    if "task" not in scenario or not is_team(scenario):
+    """Return x, y, heading of every body in the first levels, as our environments draw them, where bodies move."""
+    if "task" not in scenario or not has_levels(scenario):
         return []
     levels: list[list[list[float]]] = drawn(scenario, N_LEVELS).simulation.state.pose.tolist()
     return levels
@@ -111,6 +112,11 @@ def levels_of(scenario: Mapping[str, Any]) -> list[list[list[float]]]:
 def is_team(scenario: Mapping[str, Any]) -> bool:
     """Return whether several robots learn."""
     return bool(scenario["robot"][0].get("number", 1) > 1)
+
+
+def has_levels(scenario: Mapping[str, Any]) -> bool:
+    """Return whether all bodies have to be put back at the start of a level."""
+    return is_team(scenario) or scenario["world"].get("collision_mode") == "contact"
 
 
 def drawn(scenario: Mapping[str, Any], count: int) -> Any:

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from standard_worlds import RUN_STEPS, TEAM_STEPS
+from standard_worlds import PUSH_STEPS, RUN_STEPS, TEAM_STEPS
 
 import irsim_gym as ig
 from irsim_gym import WorldEnv, WorldVectorEnv
@@ -92,13 +92,12 @@ def vec_env(scenario: Mapping[str, Any], n_worlds: int) -> Player:
 
 def team(scenario: Mapping[str, Any], n_worlds: int) -> Player:
     """Return a batch whose robots all learn, each with an observation of its own; from the start in each run."""
-    found = core(scenario, n_worlds, team=True)
+    return _from_start(core(scenario, n_worlds, team=True), n_worlds, TEAM_STEPS)
 
-    def rewind() -> None:
-        assert found.worlds is not None
-        found.worlds.begin(range(n_worlds), range(n_worlds), [{}] * n_worlds, lambda w: w)
 
-    return Player(found.step, found.n_agents, rewind, TEAM_STEPS)
+def pushing(scenario: Mapping[str, Any], n_worlds: int) -> Player:
+    """Return a batch whose robots push bodies; from the start in each run."""
+    return _from_start(core(scenario, n_worlds), n_worlds, PUSH_STEPS)
 
 
 def crowd(scenario: Mapping[str, Any], n_worlds: int = 1) -> Player:
@@ -121,6 +120,16 @@ def twin(n_worlds: int) -> Player:
 
     batch, given = Twin(n_worlds), _forever(actions(n_worlds))
     return Player(lambda: batch.step(next(given)), n_worlds)
+
+
+def _from_start(player: Player, n_worlds: int, n_steps: int) -> Player:
+    """Return a batch that goes back to its first levels after some steps."""
+
+    def rewind() -> None:
+        assert player.worlds is not None
+        player.worlds.begin(range(n_worlds), range(n_worlds), [{}] * n_worlds, lambda w: w)
+
+    return replace(player, rewind=rewind, n_steps=n_steps)
 
 
 def _forever(rows: NDArray[np.float32]) -> Any:

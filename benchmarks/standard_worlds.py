@@ -1,7 +1,7 @@
-"""The standard worlds S1 to S4 as plain data that IR-SIM reads too; the standard library is enough to load this file.
+"""The standard worlds S1 to S5 as plain data that IR-SIM reads too; the standard library is enough to load this file.
 
 S1: one robot, 10 circles and rectangles that never move, 180 beams. S2: 10 robots that change sides. S3: one robot in a
-map of IR-SIM's. S4: 10 robots with 100 beams each and 10 bodies that wander.
+map of IR-SIM's. S4: 10 robots with 100 beams each and 10 bodies that wander. S5: one robot that pushes 10 bodies.
 """
 
 from __future__ import annotations
@@ -15,6 +15,9 @@ Data = dict[str, Any]
 SQUARE = 2.5
 """Side of the square that an obstacle of S1 has for itself, where there is one [m]."""
 
+HEAP_SQUARE = 1.2
+"""Side of the square that a body of S5 has for itself [m]."""
+
 SPACING = 3.0
 """Side of the square that an agent of a crowd has for itself [m]."""
 
@@ -23,6 +26,9 @@ RUN_STEPS = 60
 
 TEAM_STEPS = 16
 """Steps of a team from its start."""
+
+PUSH_STEPS = 60
+"""Steps from the start of a world whose bodies are pushed: some are at the walls by then."""
 
 DIFF: Data = {
     "kinematics": {"name": "diff"},
@@ -128,6 +134,30 @@ def s4(n_robots: int = 10, n_wanderers: int = 10) -> Data:
     robots = {**DIFF, "number": n_robots, "distribution": {"name": "random", **area}, "sensors": lidar(100, 6.0)}
     world = {"width": side, "height": side, "step_time": 0.1, "collision_mode": "unobstructed"}
     return {"world": world, "robot": [robots], "obstacle": [wanderers], "task": TEAM_TASK}
+
+
+def s5(n_bodies: int = 10) -> Data:
+    """Return S5: a robot that pushes circles and rectangles of 1 to 5 kg; more of them lie in a larger room."""
+    numbers = random.Random(n_bodies)
+    columns = math.ceil(math.sqrt(1.6 * n_bodies))
+    side = HEAP_SQUARE * columns
+    bodies: list[Data] = []
+    for k, square in enumerate(numbers.sample(range(columns * columns), n_bodies)):
+        x = HEAP_SQUARE * (square % columns + numbers.uniform(0.4, 0.6))
+        y = HEAP_SQUARE * (square // columns + numbers.uniform(0.4, 0.6))
+        if k % 2 == 0:
+            shape = {"name": "circle", "radius": numbers.uniform(0.15, 0.3)}
+        else:
+            shape = {"name": "rectangle", "length": numbers.uniform(0.3, 0.5), "width": numbers.uniform(0.3, 0.5)}
+        place = [x, y, numbers.uniform(-math.pi, math.pi)]
+        bodies.append({"shape": shape, "state": place, "mass": numbers.uniform(1.0, 5.0)})
+    robot = {**DIFF, "mass": 10.0, "distribution": anywhere(0.05, 2.0), "sensors": lidar(180, 6.0)}
+    return {
+        "world": {"width": side, "height": side, "step_time": 0.1, "collision_mode": "contact"},
+        "robot": [robot],
+        "obstacle": [walls(side), *bodies],
+        "task": {**TASK, "endings": ["arrived"]},
+    }
 
 
 def crowd(behavior: Data, n_agents: int) -> Data:

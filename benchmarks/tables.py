@@ -128,6 +128,7 @@ WORKS = {
     "s3_cave": "one robot in the map of a cave, 64 worlds",
     "s3_floor_plan": "one robot in the map of a flat, 64 worlds",
     "s4": "10 robots with 100 beams among 10 moving discs, 1,024 worlds, each robot",
+    "s5": "one robot that pushes 10 boxes and discs, 180 beams, 1,024 worlds",
     "s2_rvo": "10 robots that avoid each other by RVO, each robot",
     "orca_100": "100 discs that avoid each other by ORCA, each disc",
     "orca_1000": "1,000 discs, each disc",

@@ -66,6 +66,8 @@ TARGETS = (
     Target("S3 floor plan, batch 64: times faster than IR-SIM", "s3_floor_plan", IRSIM, OURS, 500, 1500),
     Target("S4, batch 1,024: times faster than IR-SIM", "s4", IRSIM, OURS, 400, 1300),
     Target("S4, batch 1,024: times faster than VMAS", "s4", VMAS, OURS, 50, 130),
+    Target("S5, pushing, batch 1,024: times faster than IR-SIM", "s5", IRSIM, OURS, 500, 2000),
+    Target("S5, pushing, one world: times faster than IR-SIM", "s5", IRSIM, "ours_single_median_us", 100, 500),
     Target("ORCA, 100 agents: times faster than navground", "orca_100", NAVGROUND, OURS, 2, 10),
     Target("ORCA, 1,000 agents: times faster than navground", "orca_1000", NAVGROUND, OURS, 2, 10),
     Target("ORCA, an agent of 10,000 over one of 100", "growth/agents", "10000_agents_us", "100_agents_us", 1.5, 1.1),

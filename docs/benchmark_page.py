@@ -32,7 +32,7 @@ where it was tried, a note of the benchmark says why it cannot.
 ROBOT = (
     "Behaviours know their true pose here, too; what they scan is as bad as what policies scan. Shipped policies "
     "observe as in training: `cluttered_room_robot` is told the latency and predicts. Rows without a latency have not "
-    "been played for it.\n"
+    "been played for it, or have no 5 points to lose.\n"
 )
 
 
@@ -47,7 +47,8 @@ def main(folder: Path | None = None) -> None:
 def take_over(folder: Path) -> None:
     """Keep the figures of a run as the reference rows of its benchmarks, whole; those of all others stay.
 
-    The record names the processors of all runs.
+    The latencies of a disturbed benchmark are those of the one without disturbances, too: they are found without. The
+    record names the processors of all runs.
     """
     run = read_record(folder)
     record = reference_record()
@@ -64,6 +65,9 @@ def take_over(folder: Path) -> None:
         raise SystemExit(f"{folder} is not finished, `irsim-gym suite run` continues it: {', '.join(unplayed)}")
     for key in ("members", "figures", "runs", "methods"):
         getattr(record, key).update(getattr(run, key))
+    for name, rows in run.figures.items():
+        for method, figures in record.figures.get(_undisturbed(name), {}).items():
+            figures["latency_at_loss"] = rows.get(method, figures).get("latency_at_loss")
     plain_part = _part(record, False)
     success = {
         member: {method: [scores["success"]["value"]] for method, scores in figures.items()}
@@ -114,6 +118,14 @@ def _part(record: SuiteRecord, disturbed: bool) -> SuiteRecord:
     figures = {name: rows for name, rows in record.figures.items() if bool(members[name].disturbed) == disturbed}
     methods = {name: those for name, those in record.methods.items() if any(name in rows for rows in figures.values())}
     return replace(record, figures=figures, methods=methods)
+
+
+def _undisturbed(name: str) -> str:
+    """Return the name of the benchmark that equals another one but for its disturbances."""
+    plain_one, members = replace(shipped_suite().members[name], disturbed=""), shipped_suite().members.values()
+    return next(
+        one.name for one in members if replace(plain_one, name=one.name, asks=one.asks, differs=one.differs) == one
+    )
 
 
 def _overview(record: SuiteRecord) -> str:

@@ -59,7 +59,7 @@ FOREIGN = {
     "bodies": {"shapely", "PIL"},
     "rendering": {"matplotlib", "imageio_ffmpeg", "moviepy", "PIL", "rich", "IPython"},
     "tasks": {"pydantic", "pydantic_core", "onnx"},
-    "live": {"shapely"},
+    "live": {"shapely", "ompl"},
     "envs": {"gymnasium"},
     "evaluation": {"gymnasium", "rich", "scipy", "shapely", "pydantic", "yaml", "stable_baselines3", "torch"},
 }
@@ -89,6 +89,7 @@ HEAVY = {
     "PIL",
     "scipy",
     "onnx",
+    "ompl",
 }
 FACES = {"__init__", "__main__", "irsim", "errors", "levels", "suite"}
 LOADED_LATE = ("numba", "matplotlib", "pettingzoo", "torch", "stable_baselines3")

@@ -160,6 +160,7 @@ def team(given: Mapping[str, Any]) -> Play:
 
 ONE_WORLD = "one world at a time, so the step is that of a single environment"
 POLYGONS = "circles are polygons of 64 corners"
+SCAN_ALONE = (POLYGONS, ONE_WORLD, "no reward; only the scan is observed", "the first levels only")
 WRAPPED = Work(wrapped, (POLYGONS, "starts come from a list instead of being drawn"))
 
 IN_MAP = Work(
@@ -180,7 +181,8 @@ PEER = Peer(
         "s2_orca": Work(crowd, (ONE_WORLD, "planning in float32, in a C++ library")),
         "s3_cave": IN_MAP,
         "s3_floor_plan": IN_MAP,
-        "s4": Work(team, (POLYGONS, ONE_WORLD, "no reward; only the scan is observed", "the first levels only")),
+        "s4": Work(team, SCAN_ALONE),
+        "s5": Work(team, SCAN_ALONE),
     },
 )
 

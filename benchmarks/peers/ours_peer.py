@@ -45,6 +45,8 @@ PEER = Peer(
         "s3_floor_plan@single": Work(_play("single")),
         "s4": Work(_play("team", "ours")),
         "s4@single": Work(_play("team", "one")),
+        "s5": Work(_play("pushing", "ours")),
+        "s5@single": Work(_play("single")),
         **{f"orca_{n}": Work(_play("crowd")) for n in (10, 100, 1000)},
     },
 )

@@ -98,6 +98,10 @@ class CellMaps(NamedTuple):
     radius: float
 
 
+Cells = CellMaps | None
+"""Those of a scenario, which may have no obstacle map."""
+
+
 class BodyOutline(NamedTuple):
     """The outline of a body: rows of a table of segments and rows of a table of discs.
 

@@ -12,6 +12,7 @@ EXTRAS = MappingProxyType(
         "tune": ("torch", "stable_baselines3", "tensorboard", "optuna"),
         "rllib": ("torch", "stable_baselines3", "tensorboard", "ray"),
         "robot": ("onnx", "onnxruntime", "rosbags"),
+        "ompl": ("ompl",),
     }
 )
 """The modules that each extra brings and that this package imports."""

@@ -86,9 +86,7 @@ def word_tables(file: Path) -> dict[str, dict[str, str]]:
         file: A JSON file of tables, each from what is said to the names that it is said of, with spaces between.
     """
     tables = json_object(file)
-    return {
-        key: {name: text for text, names in table.items() for name in names.split()} for key, table in tables.items()
-    }
+    return {key: {name: text for text, names in rows.items() for name in names.split()} for key, rows in tables.items()}
 
 
 def checked(value: T) -> T:

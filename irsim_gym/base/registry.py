@@ -53,9 +53,7 @@ class Registry:
             importlib.import_module("irsim_gym.base.contract").check_kind(self.family, name, kind, contract)
         entry = self._entries.get(name)
         if entry is not None and entry.kind is not kind:
-            raise IrsimGymError(
-                f"{self.family} '{name}' is registered twice: by {_path(entry.kind)} and by {_path(kind)}"
-            )
+            raise IrsimGymError(f"{self.family} '{name}' is registered twice: by {_path(entry.kind)} and {_path(kind)}")
         self._entries[name] = Entry(name, kind)
 
     def entry(self, name: str) -> Entry:

@@ -17,7 +17,7 @@ Policies = Annotated[
 ]
 Certified = Annotated[str, typer.Argument(help="Shipped name, environment id, YAML file, or file of levels (.npz).")]
 OutOrBeside = Annotated[
-    Path | None, typer.Option(help="File to write, .npz (default: beside the file, NAME.certificate.npz).")
+    Path | None, typer.Option(help="File to write (default: NAME.certificate.npz beside the file).")
 ]
 Out = Annotated[Path, typer.Option(help="File to write, .npz.")]
 

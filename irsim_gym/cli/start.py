@@ -20,15 +20,10 @@ def new(file: Annotated[Path, typer.Argument(metavar="FILE", help=HELP["new file
 def options(
     name: Annotated[str | None, typer.Argument(help=HELP["options name"])] = None, modules: Imports = None
 ) -> None:
-    """Print the kinds of a family, the options of one kind or of all, or update the tables of a Markdown page."""
-    from irsim_gym.scenario.reference.option_tables import markdown, rewritten
+    """Print the kinds of a family, or the options of one kind; of all as Markdown."""
+    from irsim_gym.scenario.reference.option_tables import markdown
 
-    if name is None:
-        print(markdown())
-    elif (page := Path(name)).suffix == ".md" and page.is_file():
-        page.write_text(rewritten(page.read_text(encoding="utf-8")), encoding="utf-8")
-    else:
-        print_options(name)
+    print(markdown()) if name is None else print_options(name)
 
 
 def schema() -> None:

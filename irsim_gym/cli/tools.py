@@ -103,9 +103,7 @@ def read_parameters(
         from irsim_gym.scenario.reading.parameters import BESIDE, PERTURBED, SHIELDED, is_free
     for name in parameters:
         if not is_free(name) and name not in BESIDE:
-            raise IrsimGymError(
-                f"--set: '{name}' cannot be a parameter of a scenario, because it is an argument of environments"
-            )
+            raise IrsimGymError(f"--set: '{name}' is no parameter of a scenario, but an argument of environments")
     parameters |= {SHIELDED: shield} if shield else {}
     return {**parameters, PERTURBED: "; ".join(perturbed)} if perturbed else parameters
 
@@ -153,7 +151,7 @@ def print_options(name: str) -> None:
     chosen = [title for title, titles in names.items() if name in titles]
     if not chosen:
         near = suggestion(name, sorted({*set().union(*names.values()), *(member.family for member in every())}))
-        raise IrsimGymError(f"no section, kind or Markdown file named '{name}'{near}; `irsim-gym options` prints all")
+        raise IrsimGymError(f"no section or kind named '{name}'{near}; `irsim-gym options` prints all")
     console = Console()
     for title in chosen:
         table = Table(title=title, title_justify="left")

@@ -54,6 +54,7 @@ from irsim_gym.irsim.rotations import (
 )
 from irsim_gym.live.planning.grid_map import GridMap
 from irsim_gym.live.planning.planners import AStarPlanner, JPSPlanner
+from irsim_gym.live.planning.samplers import RRT, InformedRRTStar, PRMPlanner, RRTStar
 from irsim_gym.live.session.level_source import ScenarioSource
 from irsim_gym.simulator.readings import messages
 from irsim_gym.simulator.readings.irsim_names import advice
@@ -66,6 +67,7 @@ __all__ += ["is_convex_and_ordered", "make", "omni_to_diff", "reciprocal_vel_obs
 __all__ += ["register_behavior_class", "register_group_behavior", "register_group_behavior_class", "relative_position"]
 __all__ += ["to_numpy", "transform_point_with_state", "vel_diff2world", "vel_omni2world", "vel_world2diff"]
 __all__ += ["vel_world2omni", "vertices_transform"]
+__all__ += ["RRT", "InformedRRTStar", "PRMPlanner", "RRTStar"]
 __all__ += ["DifferentialKinematics", "KinematicsHandler", "differential_kinematics", "register_kinematics"]
 
 EnvBase3D = EnvBase

@@ -86,7 +86,7 @@ name, folder = "empty_goal", Path(FOLDER)
 warm_up([ScenarioRequest(name)])
 ready = compilation().compiled
 run_briefly(name, ReadOptions({}))
-draw_level(name, 0, "dev", None, folder / "level.png")
+draw_level(name, 0, "dev", None, folder / "level.png", None, True)
 evaluate_policies(ScenarioRequest(name), ["dash"], levels=1, references=False)
 print(ready, compilation().compiled - ready)
 """

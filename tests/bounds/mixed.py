@@ -218,6 +218,11 @@ def add_behavior(rng: Random, body: dict[str, Any], sensors: list[dict[str, Any]
         body["sensors"] = body.get("sensors") or sensors
 
 
+def fits_all(entry: Any) -> bool:
+    """Return whether a kind of a task needs nothing of the scenario, such as bodies that push each other."""
+    return not hasattr(entry.kind, "misfit")
+
+
 def some_terms(rng: Random, family: Any, names: Iterable[str], share: float) -> list[dict[str, Any]]:
     """Return some terms with random options."""
     return [some_options(rng, family, name) for name in names if rng.random() < share]
@@ -226,10 +231,12 @@ def some_terms(rng: Random, family: Any, names: Iterable[str], share: float) -> 
 def some_task(rng: Random, robots: list[dict[str, Any]]) -> dict[str, Any]:
     """Return a task of random terms."""
     has_sensors = all(body.get("sensors") for body in robots)
-    names = [entry.name for entry in families.OBSERVATIONS if has_sensors or "scan" not in entry.kind().needs]
-    endings = [name for name in families.ENDINGS.names() if rng.random() < 0.6]
+    seen = [entry for entry in families.OBSERVATIONS if has_sensors or "scan" not in entry.kind().needs]
+    names = [entry.name for entry in seen if fits_all(entry)]
+    endings = [entry.name for entry in families.ENDINGS if fits_all(entry) and rng.random() < 0.6]
     paid = {"deadlock": "deadlocked", "collision": "collided", "left_world": "left_world", "arrival": "arrived"}
-    rewards = [name for name in families.REWARDS.names() if paid.get(name, "") in ("", *endings)]
+    every = [entry.name for entry in families.REWARDS if fits_all(entry)]
+    rewards = [name for name in every if paid.get(name, "") in ("", *endings)]
     action = rng.choice(("velocity", "velocity", "discrete"))
     return {
         "name": "blank",
@@ -253,4 +260,21 @@ def mixed(seed: int) -> dict[str, Any]:
     robots = [some_body(rng, "robot", world, sensors) for _ in range(rng.choice((1, 1, 2)))]
     obstacles = [some_body(rng, "obstacle", world, sensors) for _ in range(rng.choice((0, 1, 2, 3)))]
     scenario = {"world": world, "robot": robots, "obstacle": obstacles}
-    return {**scenario, "task": some_task(rng, robots)}
+    scenario["task"] = some_task(rng, robots)
+    if rng.random() < 0.2:
+        add_pushing(rng, scenario)
+    return scenario
+
+
+def add_pushing(rng: Random, scenario: dict[str, Any]) -> None:
+    """Let bodies push each other, add some that can be pushed, and terms about them; no level draws an outline."""
+    scenario["world"]["collision_mode"] = "contact"
+    for body in scenario["obstacle"]:
+        body["shape"] = {"name": "circle", "radius": 0.2} if "random_shape" in body["shape"] else body["shape"]
+    shape = rng.choice(({"name": "circle", "radius": 0.2}, {"name": "rectangle", "length": 0.4, "width": 0.3}))
+    place = {"name": "random", "min_distance": 0}
+    box = {"shape": shape, "mass": rng.choice((0.2, 2.0)), "number": rng.choice((1, 3)), "distribution": place}
+    scenario["obstacle"].append(box)
+    for key, family in (("observations", families.OBSERVATIONS), ("rewards", families.REWARDS)):
+        scenario["task"][key] += some_terms(rng, family, [e.name for e in family if not fits_all(e)], 0.7)
+    scenario["task"]["endings"] += [{"name": "bodies_arrived"}] if rng.random() < 0.5 else []

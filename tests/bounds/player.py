@@ -31,7 +31,11 @@ IMAGES = ("occupancy_image", "seen_map_image")
 PICTURES = {"name": "blank", "observations": [{"name": name, **SMALL} for name in IMAGES]}
 NUMBERS = {
     "name": "blank",
-    "observations": [name for name in OBSERVATIONS.names() if name not in (*IMAGES, "neighbors")],
+    "observations": [
+        entry.name
+        for entry in OBSERVATIONS
+        if entry.name not in (*IMAGES, "neighbors") and not hasattr(entry.kind, "misfit")
+    ],
     "rewards": [{"name": "progress", "potential": "geodesic", "cell": 0.5}, "clearance", "smoothness"],
     "endings": [{"name": "arrived", "wait": True}, "collided", "deadlocked", "left_world"],
     "audit": False,

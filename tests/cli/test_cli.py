@@ -15,7 +15,6 @@ from irsim_gym.base import families
 from irsim_gym.cli.options import LAST_LEVEL
 from irsim_gym.envs.parts.level_options import read_options
 from irsim_gym.evaluation.suite.members import shipped_suite
-from irsim_gym.scenario.reference.option_tables import MARKER
 from irsim_gym.scenario.reference.summary import FileSummary, summarize_file
 from irsim_gym.scenario.specs.spec import Scenario
 
@@ -494,22 +493,15 @@ def test_what_an_imported_module_misses_is_not_hidden(monkeypatch: pytest.Monkey
             run(monkeypatch, "check", "empty_goal", "--import", name)
 
 
-def test_options_of_one_kind(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
-) -> None:
+def test_options_of_one_kind(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
     assert run(monkeypatch, "options", "rvo") == 0
     assert "neighbor_threshold" in capsys.readouterr().out
     assert run(monkeypatch, "options", "robot") == 0
     assert "goal_threshold" in capsys.readouterr().out
     assert run(monkeypatch, "options", "rov") == 1
     assert "named 'rov' (did you mean 'rvo'?)" in capsys.readouterr().err
-    page = tmp_path / "page.md"
-    page.write_text(f"head\n{MARKER}\nold\n")
-    assert run(monkeypatch, "options", page) == 0
-    assert page.read_text().startswith("head\n")
-    assert "### behavior rvo" in page.read_text()
-    assert run(monkeypatch, "options", tmp_path / "none.md") == 1
-    assert "no section, kind or Markdown file" in capsys.readouterr().err
+    assert run(monkeypatch, "options", "none.md") == 1
+    assert "no section or kind named 'none.md'" in capsys.readouterr().err
 
 
 def test_notes_leave_the_exit_status(

@@ -69,12 +69,20 @@ def yard(**task: Any) -> Any:
     return irsim_gym.make(YARD, task={**EVERYTHING, **task}).unwrapped
 
 
+def pushed() -> Any:
+    """Return an environment in which the robot pushes a box, and observes it."""
+    world, box = {"collision_mode": "contact"}, {"shape": {"name": "circle"}, "state": [5, 5, 0], "mass": 1}
+    task = {"name": "blank", "observations": ["movable_bodies", "contact"]}
+    robot = {"kinematics": {"name": "diff"}, "state": [2, 5, 0]}
+    return irsim_gym.make({"world": world, "robot": robot, "obstacle": box}, task=task).unwrapped
+
+
 def test_every_shipped_kind_describes_itself() -> None:
     for family, told in ((ACTIONS, TellsActions), (OBSERVATIONS, TellsColumns), (REWARDS, TellsWhen)):
         assert [entry.name for entry in family if not issubclass(entry.kind, told)] == []
     assert [entry.name for entry in ENDINGS if not issubclass(entry.kind, TellsWhen)] == []
     description = yard().describe()
-    shown = {block.name for block in description.blocks}
+    shown = {block.name for block in (*description.blocks, *pushed().describe().blocks)}
     assert shown == {entry.name for entry in OBSERVATIONS if entry.kind.__module__.startswith("irsim_gym.")}
 
 

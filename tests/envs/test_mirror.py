@@ -54,6 +54,8 @@ ROUGH |= {"way_on_seen_map", "yielding_way"}
 """Observations with cells or pixels, at whose edges a rounding may decide."""
 WAYS = {"route", "way_on_seen_map", "yielding_way"}
 """Observations of a way along cells; of two equal ones, the search takes one."""
+PUSHED = {"movable_bodies", "contact"}
+"""Observations of bodies that push each other."""
 OPTIONS: list[Any] = [
     {"scan": {"sectors": 90}},
     {"scan": {"sectors": 7}},
@@ -94,6 +96,16 @@ def scene_of(drive: str = "diff", **robot: Any) -> dict[str, Any]:
     return scene
 
 
+def pushing_scene(drive: str) -> dict[str, Any]:
+    """Return the scene with bodies that push each other: one stands ahead of the learner."""
+    scene = scene_of(drive)
+    scene["world"]["collision_mode"] = "contact"
+    box = {"shape": {"name": "rectangle", "length": 0.4, "width": 0.3}, "mass": 0.4}
+    ahead = {**box, "state": [2.6, 4.2, 0.5], "goal": [6.0, 5.0, 0.0]}
+    scene["obstacle"] += [ahead, {**box, "state": [7.5, 8.0, -0.4], "goal": [6.0, 5.5, 0.0]}]
+    return scene
+
+
 def make(scene: dict[str, Any], *observations: Any, **task: Any) -> Any:
     """Return one world whose task has these observations."""
     names = [one if isinstance(one, str) else next(iter(one)) for one in observations]
@@ -123,7 +135,10 @@ def both(scene: dict[str, Any], *observations: Any, steps: int = 50, **task: Any
 @pytest.mark.parametrize("drive", DRIVES)
 @pytest.mark.parametrize("name", sorted(set(OBSERVATIONS.names()) - IN_WORLD))
 def test_a_mirrored_observation_is_that_of_the_mirrored_world(name: str, drive: str) -> None:
-    check_mirror(scene_of(drive), name)
+    if name in PUSHED:  # until several bodies touch: who is parted first depends on y, as in IR-SIM
+        check_mirror(pushing_scene(drive), name, steps=25)
+    else:
+        check_mirror(scene_of(drive), name)
 
 
 @pytest.mark.parametrize("observed", OPTIONS, ids=str)
@@ -149,10 +164,10 @@ def test_a_car_that_is_steered_by_its_turn_rate() -> None:
         check_mirror(scene_of(kinematics=kinematics), observed)
 
 
-def check_mirror(scene: dict[str, Any], observed: Any) -> None:
+def check_mirror(scene: dict[str, Any], observed: Any, steps: int = 50) -> None:
     """Compare a mirrored observation with that of the mirrored world."""
     name = observed if isinstance(observed, str) else next(iter(observed))
-    mirror, here, there = both(scene, observed)
+    mirror, here, there = both(scene, observed, steps=steps)
     changed = mirror.observation(here)
     assert changed.shape == there.shape
     apart = np.abs(changed.astype(np.float64) - there)
@@ -177,7 +192,7 @@ def test_a_mirrored_choice_has_the_mirrored_effect(drive: str) -> None:
 
 
 def test_twice_mirrored_is_unchanged() -> None:
-    names = [name for name in OBSERVATIONS.names() if name not in IN_WORLD]
+    names = [name for name in OBSERVATIONS.names() if name not in IN_WORLD | PUSHED]
     mirror, here, _ = both(scene_of(), *names, steps=5)
     again = mirror.observation(mirror.observation(here))
     assert set(again) == set(here) == {"vector", "occupancy_image", "seen_map_image"}

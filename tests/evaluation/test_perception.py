@@ -39,6 +39,11 @@ ROOM: dict[str, Any] = {
         },
     ],
 }
+PUSHED = {
+    **ROOM,
+    "world": {"width": 8, "height": 8, "collision_mode": "contact"},
+    "obstacle": {"shape": {"name": "circle", "radius": 0.3}, "mass": 1, "distribution": {"name": "random"}},
+}
 BLIND = {**ROOM, "robot": {**ROOM["robot"], "sensors": []}}
 ENDS = {"endings": ["arrived", "collided"], "rewards": [{"name": "arrival", "weight": 1.0}]}
 PLAYED: dict[str, Any] = {"name": "blank", "max_steps": 30, "observations": ["velocity", "goal"], **ENDS}
@@ -89,7 +94,7 @@ def test_what_stands_for_a_missing_sensor_is_what_was_observed() -> None:
 
 @pytest.mark.parametrize("name", OBSERVATIONS.names())
 def test_every_observation_comes_back_as_it_was(name: str) -> None:
-    scenario = load_scenario(ROOM)
+    scenario = load_scenario(PUSHED if hasattr(OBSERVATIONS.entry(name).kind, "misfit") else ROOM)
     task = load_task(scenario, {"name": "blank", "observations": [name]})
     played = load_task(scenario, PLAYED)
     again = perceived_task(scenario, played, perception_of(task))

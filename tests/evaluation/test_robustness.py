@@ -144,8 +144,9 @@ def test_what_is_on_disk_is_not_played_again(tmp_path: Path, plays: list[str]) -
     assert robustness("empty_goal", "dash", factors=["drive_lag"], **how).rows == first.rows
     assert plays == []
     more = robustness("empty_goal", ["dash", "random"], factors=["latency", "drive_lag"], **how)
-    assert [name for name in plays if name.endswith("dash")] == [f"latency {k / 10:g}, dash" for k in range(1, 6)]
-    assert len([name for name in plays if name.endswith("random")]) == 11
+    late = [f"latency {strength}, dash" for strength in ("0.1", "0.2", "0.3", "0.4", "0.5", "0.6", "0.8")]
+    assert [name for name in plays if name.endswith("dash")] == late
+    assert len([name for name in plays if name.endswith("random")]) == 13
     plays.clear()
     record = tmp_path / "robustness.json"
     data = json.loads(record.read_text())
@@ -171,7 +172,7 @@ def test_a_change_is_noticed(tmp_path: Path, plays: list[str]) -> None:
     with pytest.raises(IrsimGymError, match=r"levels 2, now 3.*--overwrite"):
         robustness(scenario, policy, factors=["latency"], levels=3, folder=folder)
     assert plays == []
-    assert len(robustness(scenario, policy, factors=["latency"], levels=3, folder=folder, overwrite=True).rows) == 6
+    assert len(robustness(scenario, policy, factors=["latency"], levels=3, folder=folder, overwrite=True).rows) == 8
     (folder / "robustness.json").write_text('{"rows": 3}')
     with pytest.raises(IrsimGymError, match=r"robustness\.json.*record of robustness"):
         robustness(scenario, policy, factors=["latency"], levels=3, folder=folder)

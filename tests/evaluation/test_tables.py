@@ -121,12 +121,12 @@ def edited(file: Path, *edits: tuple[str, str]) -> str:
 
 def test_edited_rows_are_told_with_file_and_line(tmp_path: Path) -> None:
     file = tmp_path / "rows.csv"
-    line = "2,success,,20,2.0,5.0,4.0,0.25,,,,,,,,,,,robot_0,4.0,1.0,False,30.0\n"
+    line = "2,success,,20,2.0,5.0,4.0,0.25,,,,,,,,,,,,,robot_0,4.0,1.0,False,30.0\n"
     why = "a row before it is missing, or this one is there twice"
     assert edited(file, (line, "")) == f"rows.csv:4 is no row of an episode: level must be 2, got 3: {why}"
     assert edited(file, (line, line + line)) == "rows.csv:5 is no row of an episode: 'robot_0' has two rows in level 2"
     assert edited(file, ("\n2,", "\n7,")) == f"rows.csv:4 is no row of an episode: level must be 2, got 7: {why}"
-    last = "3,collision,obstacle,7,0.7,1.0,inf,0.0,,,,,,,,,,,robot_0,4.0,1.0,False,30.0\n"
+    last = "3,collision,obstacle,7,0.7,1.0,inf,0.0,,,,,,,,,,,,,robot_0,4.0,1.0,False,30.0\n"
     told = "rows.csv is no table of episodes: its rows must be those of 4 levels, got 3"
     assert edited(file, (last, "")) == told
     assert edited(file, ("\n2,", "\n-2,")) == "rows.csv:4 is no row of an episode: level must be a number >= 0, got -2"
@@ -140,7 +140,7 @@ def test_edited_rows_are_told_with_file_and_line(tmp_path: Path) -> None:
         == "rows.csv:2 is no row of an episode: time must be a number, got 'two'"
     )
     assert edited(file, (",2.0,5.0,", ",2.0,")).startswith(
-        "rows.csv:2 is no row of an episode: a row must have 23 cells"
+        "rows.csv:2 is no row of an episode: a row must have 25 cells"
     )
     assert (
         edited(file, ("outcome", "outcom")) == "rows.csv:1 is no table of episodes: no column outcome of this version"

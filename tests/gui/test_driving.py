@@ -159,7 +159,7 @@ def test_keys_of_the_world(
 
 
 def test_keys_count_in_this_window_alone(make: Make, screen: Screen) -> None:
-    with pytest.warns(NoKeyboardWarning, match="global_hook: keys count only while the window has the focus"):
+    with pytest.warns(NoKeyboardWarning, match="global_hook: keys count only while the window has focus"):
         here = make(keyboard={"global_hook": True})
     screen.move(1200, 1000)
     screen.focus(None)

@@ -71,8 +71,8 @@ def test_names_to_import() -> None:
     names = set(importable())
     assert len(names) > 150
     assert not (missing := untold(ours, names)), "\n".join(missing)
-    with pytest.raises(ImportError, match=r"has no 'RRTStar': planners that sample are not here: world\.path"):
-        from irsim_gym.irsim import RRTStar  # noqa: F401
+    with pytest.raises(ImportError, match=r"has no 'TreeNode': planning\(start, goal\) is all that planners do"):
+        from irsim_gym.irsim import TreeNode  # noqa: F401
     with pytest.raises(ImportError, match=r"KinematicsFactory.*@register_kinematics"):
         from irsim_gym.irsim.lib import KinematicsFactory  # noqa: F401
 
@@ -129,3 +129,8 @@ def test_names_of_planners(both: tuple[Any, Any]) -> None:
     for name in ("AStarPlanner", "JPSPlanner"):
         planner = getattr(irsim.lib.path_planners, name)(theirs.get_map())
         assert not untold(getattr(ours, name)(here.get_map()), public(planner))
+    for name in ("RRT", "RRTStar", "InformedRRTStar"):
+        planner = getattr(irsim.lib.path_planners, name)(theirs.get_map(), robot=theirs.robot)
+        assert not untold(getattr(ours, name)(here.get_map(), robot=here.robot), public(planner))
+    planner = irsim.lib.path_planners.PRMPlanner(theirs.get_map(), 0.2)
+    assert not untold(ours.PRMPlanner(here.get_map(), 0.2), public(planner))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import sys
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -39,13 +40,15 @@ WITH_MAP = (
 
 
 def levels_of(name: str, n_levels: int) -> tuple[SavedPolicy, Episodes]:
-    """Return a policy of the shelf, and as many worlds of its training."""
+    """Return a policy of the shelf, and as many worlds of its training, without disturbances."""
     policy, card = load_policy(name), card_of(name)
     assert isinstance(policy, SavedPolicy)
     assert card is not None
     own = card.scenario
-    request = ScenarioRequest(own.name, own.task, own.team is not None, own.parameters)
-    return policy, Perceived(request.episodes(n_levels)).of(policy)
+    parameters = {key: value for key, value in (own.parameters or {}).items() if key != "disturbances"}
+    request = ScenarioRequest(own.name, own.task, own.team is not None, parameters)
+    played = Perceived(request.episodes(n_levels)).of(policy)
+    return policy, Episodes(played.simulation, replace(played.task, predict=False))
 
 
 class DriverPolicy:

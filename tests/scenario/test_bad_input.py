@@ -523,7 +523,7 @@ def test_text_of_the_error(tmp_path: Path) -> None:
         f"  {file}:4   world.step_tme: unknown key (did you mean 'step_time'?)\n"
         f"  {file}:6   robot[0].shape.radius: must be > 0, got -0.3\n"
         f"  {file}:8   robot[0].kinematics.name: no kinematics named 'dif' (did you mean 'diff'?)\n"
-        "With strict=False, or --lenient on the command line, unknown keys, unknown modes and repeated keys are "
+        "With strict=False, or --lenient in the shell, unknown keys, unknown modes and repeated keys are "
         "warnings."
     )
 

@@ -250,7 +250,7 @@ def test_without_a_shield_no_info_tells_of_one() -> None:
         ("cluttered_room", "stop_in_time:margi=1", "did you mean 'margin'?"),
         ("cluttered_room", 3, "must be text such as 'stop_in_time:margin=0.05', got 3"),
         (before_a_wall(sensors=[]), "stop_in_time", "has a shield and no range sensor; add sensors: [{name: lidar2d}]"),
-        (before_a_wall(vel_min=[0.1, -1]), "stop_in_time", "cannot stand still: vel_min is [0.1, -1"),
+        (before_a_wall(vel_min=[0.1, -1]), "stop_in_time", "cannot stand: vel_min is [0.1, -1"),
     ],
 )
 def test_bad_values_are_named_with_what_would_be_right(scenario: Any, shield: Any, said: str) -> None:

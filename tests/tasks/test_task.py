@@ -54,7 +54,7 @@ def test_a_plain_file_gets_navigation() -> None:
 def test_shipped_scenarios_have_a_task(name: str) -> None:
     task = load_task(load_scenario(name))
     assert task.max_steps >= 1
-    assert names(task.observations)[0] in ("Scan", "NearestBodies")
+    assert names(task.observations)[0] in ("Scan", "NearestBodies", "MovableBodies")
 
 
 def test_the_audit_holds_for_every_registered_kind() -> None:

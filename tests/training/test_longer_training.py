@@ -20,12 +20,11 @@ import irsim_gym
 from irsim_gym.cli.tools import read_count
 from irsim_gym.cli.work import commands
 from irsim_gym.errors import IrsimGymError
-from irsim_gym.evaluation.requests.interruption import TrainingInterruptedError
+from irsim_gym.evaluation.requests.interruption import StopRequest, TrainingInterruptedError
 from irsim_gym.evaluation.saved_policies.checkpoint_files import list_checkpoints, load_progress, newest_checkpoint
 from irsim_gym.training.requests.train import train
 from irsim_gym.training.runs import monitoring
 from irsim_gym.training.runs.extension import extend
-from irsim_gym.training.runs.monitoring import StopRequest
 from irsim_gym.training.settings.run import Run
 
 TINY = {"n_envs": 4, "n_steps": 16, "batch_size": 32, "n_epochs": 1, "checkpoint_every": 64}
@@ -96,7 +95,7 @@ def test_a_run_ends_at_a_success_and_goes_on_after_its_end(
     assert not torch.equal(before, torch.cat([value.flatten() for value in weights(run).values()]))
     run.policy.unlink()
     assert command(monkeypatch, *resume, "--more-steps", 64) == 1
-    assert "continue it with --resume alone" in capsys.readouterr().err
+    assert "go on with --resume alone" in capsys.readouterr().err
     assert command(monkeypatch, *tiny, "--until", 98, "--dev-levels", 0, "--overwrite") == 1
     assert "--dev-levels must be at least 1" in capsys.readouterr().err
 

@@ -304,7 +304,7 @@ def test_an_evaluation_keeps_earlier_results(monkeypatch: pytest.MonkeyPatch, ca
     there = Path("runs/evaluation-empty_goal-test")
     before = (there / "summary.json").stat().st_mtime_ns
     assert command(monkeypatch, *evaluate, "--out", there) == 1
-    assert f"{there} holds results: choose another folder with --out, or replace them" in capsys.readouterr().err
+    assert f"{there} holds results: choose another with --out, or replace them" in capsys.readouterr().err
     assert (there / "summary.json").stat().st_mtime_ns == before
     assert command(monkeypatch, *evaluate, "--out", there, "--overwrite") == 0
     assert (there / "summary.json").stat().st_mtime_ns > before

@@ -199,7 +199,7 @@ def test_a_folder_with_another_run_is_refused(tmp_path: Path, interrupt: Callabl
 
 
 def test_the_second_signal_stops_at_once() -> None:
-    from irsim_gym.training.runs.monitoring import StopRequest
+    from irsim_gym.evaluation.requests.interruption import StopRequest
 
     request = StopRequest()
     with request.listening():

@@ -60,7 +60,7 @@ def test_a_second_ctrl_c_is_told_too(train: Train, monkeypatch: pytest.MonkeyPat
     monkeypatch.setattr("irsim_gym.training.runs.monitoring.TrainingMonitor.update_progress", stop)
     status, said = train("empty_goal")
     assert status == 130
-    assert said[-1].endswith("the newest checkpoint is kept. To continue, run the same command with --resume.")
+    assert said[-1].endswith("the newest checkpoint is kept. To go on, run the same command with --resume.")
 
 
 def test_a_demonstration_that_is_stopped(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:

@@ -17,6 +17,7 @@ from irsim_gym.errors import IrsimGymError
 from irsim_gym.evaluation.requests.interruption import TrainingInterruptedError
 from irsim_gym.evaluation.saved_policies.algorithms import find_algorithm
 from irsim_gym.training.requests.train import train
+from irsim_gym.training.requests.training_request import TrainingRequest
 from irsim_gym.training.runs.environment import build_environment
 from irsim_gym.training.runs.models import algorithm_class
 from irsim_gym.training.settings.hyperparameters import Hyperparameters, load_hyperparameters
@@ -72,7 +73,7 @@ def weights(run: Run) -> torch.Tensor:
         ("ppo", "episode", NORMALIZED),
         ("ppo", "respawn", NORMALIZED),
         ("ppo", "respawn", {}),
-        ("sac", "episode", {}),
+        ("sac", "respawn", {}),
         ("gru_ppo", "episode", NORMALIZED),
         ("gru_ppo", None, {}),
     ],
@@ -117,6 +118,12 @@ def test_the_command_line_trains_a_team(
     assert "policy.zip" in capsys.readouterr().out
     model = find_algorithm("ppo").load().load(out / "policy.zip", device="cpu")
     assert model.rollout_buffer_class is sb3.MaskedRolloutBuffer
+
+
+def test_an_algorithm_that_learns_from_waiting_robots_is_refused(scenario: str) -> None:
+    with pytest.raises(IrsimGymError, match=r"^sac learns from robots that wait .* --team respawn, .* or ppo, a2c"):
+        TrainingRequest(scenario, "sac", team="episode").settings()
+    assert TrainingRequest(scenario, "sac", team="respawn").settings().hyperparameters.team == "respawn"
 
 
 def test_a_mode_that_does_not_exist(tmp_path: Path) -> None:

@@ -18,15 +18,13 @@ class Dash(RenewsGoals):
     kinematics: ClassVar[tuple[str, ...]] = ("diff", "omni", "omni_angular", "acker")
     reads_neighbors: ClassVar[bool] = False
 
-    target_roles: Literal["all", "robot", "obstacle"] = option(
-        "all", meaning="Which other bodies the behaviour sees; dash looks at none."
-    )
+    target_roles: Literal["all", "robot", "obstacle"] = option("all", meaning="No effect: dash looks at nobody.")
     angle_tolerance: float = option(
         0.1,
         ge=0.0,
         unit="rad",
-        meaning="No turn while the bearing of the goal is smaller than this.",
-        consequence="Large: it passes its goal by.",
+        meaning="No turn while the goal's bearing is less.",
+        consequence="Large: it misses its goal.",
     )
 
     @staticmethod

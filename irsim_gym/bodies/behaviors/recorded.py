@@ -25,19 +25,10 @@ class Recorded:
     reads_neighbors: ClassVar[bool] = False
     replays: ClassVar[bool] = True
 
-    file: str = option(
-        min_length=1,
-        meaning="Text file with rows time, id, x, y, like those of ETH and UCY; beside the scenario or a shipped one.",
-    )
-    time_unit: float = option(
-        1.0, gt=0.0, unit="s", meaning="Duration of one unit of the first column, e.g. 0.04 for frames at 25 Hz."
-    )
-    person: int | None = option(
-        None, meaning="Id of the person; by default the bodies of the entry are those of the file, in its order."
-    )
-    start_time: float = option(
-        0.0, ge=0.0, unit="s", meaning="Time since the file's first row at which episodes begin."
-    )
+    file: str = option(min_length=1, meaning="Text file of rows time, id, x, y as of ETH and UCY, shipped or beside.")
+    time_unit: float = option(1.0, gt=0.0, unit="s", meaning="Unit of the first column, e.g. 0.04 for frames at 25 Hz.")
+    person: int | None = option(None, meaning="Id of the person; default: the bodies are those of the file in order.")
+    start_time: float = option(0.0, ge=0.0, unit="s", meaning="Time after the file's first row when episodes begin.")
     offset: tuple[float, float] = option((0.0, 0.0), unit="m", meaning="Added to all positions.")
 
     @staticmethod

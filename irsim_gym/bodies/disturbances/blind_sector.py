@@ -4,12 +4,10 @@ from typing import Annotated, ClassVar
 
 import numpy as np
 
-from irsim_gym.base.arraytypes import Flags
 from irsim_gym.base.options import Bounds, Drawn
-from irsim_gym.base.rng import uniform
 from irsim_gym.simulator.geometry.angles import wrap
 from irsim_gym.simulator.world.disturbed import Disturbed
-from irsim_gym.simulator.world.names import Group, Ints, Model, Shard, State, kernel, kind, option
+from irsim_gym.simulator.world.names import Flags, Group, Ints, Model, Shard, State, kernel, kind, option, uniform
 from irsim_gym.simulator.world.own_scan import OwnScan
 
 FULL_TURN = 2.0 * np.pi

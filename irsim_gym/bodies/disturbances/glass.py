@@ -10,9 +10,7 @@ from irsim_gym.base.rng import mix, stream_base, uniform
 from irsim_gym.bodies.sensors.scan_tables import mount_pose
 from irsim_gym.simulator.geometry.segments import point_segment_distance2
 from irsim_gym.simulator.world.disturbed import Disturbed
-from irsim_gym.simulator.world.names import Group, Ints, Model, Shard, State, kernel, kind, option
-from irsim_gym.simulator.world.outline import outline_of
-from irsim_gym.simulator.world.own_scan import OwnScan
+from irsim_gym.simulator.world.names import Group, Ints, Model, OwnScan, Shard, State, kernel, kind, option, outline_of
 
 GLASS = stream_base("glass", "bodies")
 NEAR = 0.1

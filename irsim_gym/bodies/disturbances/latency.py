@@ -20,9 +20,7 @@ class Latency:
 
     acts_on: ClassVar[str] = "command"
 
-    time: Annotated[Drawn, Bounds(0.0, 10.0)] = option(
-        0.0, unit="s", meaning="From a measurement to the wheels, rounded up to whole steps."
-    )
+    time: Annotated[Drawn, Bounds(0.0, 10.0)] = option(0.0, unit="s", meaning="Time from measuring to wheels.")
 
     @staticmethod
     def prepare(group: Group, model: Model, n_slots: int) -> None:

@@ -7,10 +7,8 @@ import numpy as np
 
 from irsim_gym.base.arraytypes import Labels, Rays
 from irsim_gym.base.options import Bounds, Drawn
-from irsim_gym.base.rng import next_bits
 from irsim_gym.simulator.world.disturbed import Disturbed
-from irsim_gym.simulator.world.names import Group, Ints, Model, Shard, State, kernel, kind, option
-from irsim_gym.simulator.world.own_scan import OwnScan
+from irsim_gym.simulator.world.names import Group, Ints, Model, OwnScan, Shard, State, kernel, kind, next_bits, option
 
 TWO_32, TWO_31 = 2.0**32, 2**31
 PLACES = 4096
@@ -25,9 +23,7 @@ class LostBeams:
     acts_on: ClassVar[str] = "scan"
 
     chance: Annotated[Drawn, Bounds(0.0, 1.0)] = option(0.0, meaning="Probability, in each scan, that a beam is lost.")
-    reads: Literal["none", "zero"] = option(
-        "none", meaning="What a lost beam reads: range_max, as if nothing were there (none), or range_min (zero)."
-    )
+    reads: Literal["none", "zero"] = option("none", meaning="A lost beam reads range_max (none) or range_min (zero).")
 
     @staticmethod
     def prepare(group: Group, model: Model, n_slots: int) -> None:

@@ -5,9 +5,8 @@ from typing import Annotated, ClassVar
 import numpy as np
 
 from irsim_gym.base.options import Bounds, Drawn
-from irsim_gym.base.rng import uniform
 from irsim_gym.simulator.world.disturbed import Disturbed
-from irsim_gym.simulator.world.names import Floats, Group, Ints, Model, Shard, State, kernel, kind, option
+from irsim_gym.simulator.world.names import Floats, Group, Ints, Model, Shard, State, kernel, kind, option, uniform
 
 
 @kind

@@ -4,8 +4,7 @@ from typing import Annotated, ClassVar
 
 from irsim_gym.base.options import Bounds, Drawn
 from irsim_gym.simulator.world.disturbed import Disturbed
-from irsim_gym.simulator.world.names import Floats, Group, Ints, Model, Shard, State, kernel, kind, option
-from irsim_gym.simulator.world.own_scan import OwnScan
+from irsim_gym.simulator.world.names import Floats, Group, Ints, Model, OwnScan, Shard, State, kernel, kind, option
 
 
 @kind

@@ -4,13 +4,12 @@ from typing import Annotated, ClassVar
 
 import numpy as np
 
-from irsim_gym.base.arraytypes import Records
 from irsim_gym.base.kernels.structs import record_type
 from irsim_gym.base.options import Bounds, Drawn
 from irsim_gym.base.rng import normal
 from irsim_gym.simulator.geometry.angles import wrap_from
 from irsim_gym.simulator.world.disturbed import Disturbed, whole_steps
-from irsim_gym.simulator.world.names import Floats, Group, Ints, Model, Shard, State, kernel, kind, option
+from irsim_gym.simulator.world.names import Floats, Group, Ints, Model, Records, Shard, State, kernel, kind, option
 
 FIXES = record_type("spread turn", every=np.int64)
 """Deviations of a position fix [m, rad], and how many steps lie between two; 0: there is none."""
@@ -31,12 +30,8 @@ class Odometry:
 
     acts_on: ClassVar[str] = "belief"
 
-    scale: Annotated[Drawn, Bounds(-1.0, 10.0)] = option(
-        0.0, meaning="Share by which each way is believed to be longer than the wheels have rolled."
-    )
-    yaw: Annotated[Drawn, Bounds(-10.0, 10.0)] = option(
-        0.0, unit="rad/m", meaning="Drift of the heading to the left for each metre."
-    )
+    scale: Annotated[Drawn, Bounds(-1.0, 10.0)] = option(0.0, meaning="Share by which ways are believed too long.")
+    yaw: Annotated[Drawn, Bounds(-10.0, 10.0)] = option(0.0, unit="rad/m", meaning="Drift to the left for each metre.")
     fix: PositionFix | None = option(None, meaning="A mapping with the keys every, std and angle_std; default: none.")
 
     @staticmethod

@@ -5,9 +5,8 @@ from typing import Annotated, ClassVar
 import numpy as np
 
 from irsim_gym.base.options import Bounds, Drawn
-from irsim_gym.base.rng import mix, uniform
 from irsim_gym.simulator.world.disturbed import Disturbed
-from irsim_gym.simulator.world.names import Floats, Group, Ints, Model, Shard, State, kernel, kind, option
+from irsim_gym.simulator.world.names import Floats, Group, Ints, Model, Shard, State, kernel, kind, mix, option, uniform
 
 LEAST_SIZE = 1e-3
 """Lower bound of true radii [m]."""
@@ -19,9 +18,7 @@ class Radius:
 
     acts_on: ClassVar[str] = "outline"
 
-    offset: Annotated[Drawn, Bounds(-100.0, 100.0)] = option(
-        0.0, unit="m", meaning="True radius, less the one of the entry; at least 1 mm remains."
-    )
+    offset: Annotated[Drawn, Bounds(-100.0, 100.0)] = option(0.0, unit="m", meaning="True radius less the entry's.")
 
     @staticmethod
     def prepare(group: Group, model: Model, n_slots: int) -> None:

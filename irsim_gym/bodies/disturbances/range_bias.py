@@ -6,8 +6,7 @@ import numpy as np
 
 from irsim_gym.base.options import Bounds, Drawn
 from irsim_gym.simulator.world.disturbed import Disturbed
-from irsim_gym.simulator.world.names import Group, Ints, Model, Rays, Shard, State, kernel, kind, option
-from irsim_gym.simulator.world.own_scan import OwnScan
+from irsim_gym.simulator.world.names import Group, Ints, Model, OwnScan, Rays, Shard, State, kernel, kind, option
 
 Limits = tuple[np.float32, np.float32]
 """Least and greatest range of a sensor [m]."""

@@ -4,11 +4,9 @@ from typing import Annotated, ClassVar
 
 import numpy as np
 
-from irsim_gym.base.arraytypes import Rays
 from irsim_gym.base.options import Bounds, Drawn
 from irsim_gym.simulator.world.disturbed import Disturbed, whole_steps
-from irsim_gym.simulator.world.names import Group, Ints, Model, Shard, State, kernel, kind, option
-from irsim_gym.simulator.world.own_scan import OwnScan
+from irsim_gym.simulator.world.names import Group, Ints, Model, OwnScan, Rays, Shard, State, kernel, kind, option
 
 
 @kind
@@ -17,9 +15,7 @@ class ScanRate:
 
     acts_on: ClassVar[str] = "scan"
 
-    every: Annotated[Drawn, Bounds(0.0, 100.0)] = option(
-        0.0, unit="s", meaning="Time from one scan to the next, rounded up to whole steps."
-    )
+    every: Annotated[Drawn, Bounds(0.0, 100.0)] = option(0.0, unit="s", meaning="Time between scans, in whole steps.")
 
     @staticmethod
     def prepare(group: Group, model: Model, n_slots: int) -> None:

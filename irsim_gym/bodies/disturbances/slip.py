@@ -18,9 +18,7 @@ class Slip:
     acts_on: ClassVar[str] = "motion"
 
     ahead: Annotated[Drawn, Bounds(-1.0, 1.0)] = option(0.0, meaning="Share of speeds that is lost; below 0: gained.")
-    turn: Annotated[Drawn, Bounds(-1.0, 1.0)] = option(
-        0.0, meaning="Share of turn rates, or of the steering angle, that is lost; below 0: gained."
-    )
+    turn: Annotated[Drawn, Bounds(-1.0, 1.0)] = option(0.0, meaning="Lost share of turn rates or steering angles.")
 
     @staticmethod
     def disturb(group: Group, model: Model, state: State, shard: Shard) -> None:

@@ -46,12 +46,7 @@ class NoisyDrive:
     state_size: ClassVar[int] = 3
 
     noise: bool = option(False, meaning="Add motion noise; to omnidirectional drives also at rest.")
-    tau: float | None = option(
-        None,
-        ge=0.0,
-        unit="s",
-        meaning="With contact, time constant of the drive's lag; default: the world's drive_tau.",
-    )
+    tau: float | None = option(None, ge=0.0, unit="s", meaning="With contact, lag of the drive; default: drive_tau.")
 
     @staticmethod
     def prepare(group: Group, model: Model, n_slots: int) -> None:

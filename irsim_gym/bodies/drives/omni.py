@@ -31,12 +31,9 @@ class Omni(motion_noise.NoisyDrive):
     command_names: ClassVar[tuple[str, ...]] = ("x", "y")
     mirrored_command: ClassVar[tuple[tuple[int, int], ...]] = ((0, 1), (1, -1))
 
-    frame: Literal["world", "body"] = option(
-        "world", meaning="Frame of the command: the world's, or the body's (forward and left)."
-    )
+    frame: Literal["world", "body"] = option("world", meaning="Frame of the command: world, or body (forward, left).")
     bound: Literal["components", "speed"] = option(
-        "components",
-        meaning="What vel_max limits: each component, or the speed in any direction too, to its first number.",
+        "components", meaning="What vel_max limits: each component, or speed in any direction too."
     )
     alpha: tuple[float, ...] = option(
         (0.03, 0.03),

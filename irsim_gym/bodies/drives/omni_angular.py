@@ -23,9 +23,7 @@ class OmniAngular(motion_noise.NoisyDrive):
     drive: ClassVar[int] = OMNI_ANGULAR
 
     alpha: tuple[float, float, float] = option(
-        (0.03, 0.03, 0.03),
-        unit="m2/s2, m2/s2, rad2/s2",
-        meaning="Variances of the motion noise of the three components.",
+        (0.03, 0.03, 0.03), unit="m2/s2, m2/s2, rad2/s2", meaning="Variances of the three components."
     )
 
     @property

@@ -6,11 +6,9 @@ from typing import Any
 
 import numpy as np
 
-from irsim_gym.base.arraytypes import CellMaps, Flags, Ints
-from irsim_gym.base.rng import integer
 from irsim_gym.bodies.maps.level import LevelMap, MapTables, bordered, clear_inside, share_problems
 from irsim_gym.simulator.cell_maps.world_maps import lay_cells
-from irsim_gym.simulator.world.names import State, kernel, kind, option
+from irsim_gym.simulator.world.names import CellMaps, Flags, Ints, State, integer, kernel, kind, option
 
 
 @kernel
@@ -47,9 +45,7 @@ class RandomCells(LevelMap):
 
     draw_maps = staticmethod(draw_cells)
 
-    fill: tuple[float, float] = option(
-        (0.0, 0.6), meaning="Bounds of the share of occupied cells, those of the border not counted, 0 to 1."
-    )
+    fill: tuple[float, float] = option((0.0, 0.6), meaning="Bounds of the share of occupied cells without the border.")
 
     def problems(self) -> Iterator[tuple[str, str]]:
         """Yield key and message of invalid or conflicting options."""

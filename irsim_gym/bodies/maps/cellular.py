@@ -4,12 +4,10 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
-from irsim_gym.base.arraytypes import CellMaps, Flags, Ints
 from irsim_gym.base.options import kind, option, unordered_ranges
-from irsim_gym.base.rng import integer, uniform
 from irsim_gym.bodies.maps.level import LevelMap, MapTables, bordered, clear_inside, share_problems
 from irsim_gym.simulator.cell_maps.world_maps import lay_cells
-from irsim_gym.simulator.world.names import State, kernel
+from irsim_gym.simulator.world.names import CellMaps, Flags, Ints, State, integer, kernel, uniform
 
 MOST_ROUNDS = 100
 """Maximum number of rounds of smoothing."""
@@ -77,14 +75,10 @@ class CellularMap(LevelMap):
 
     draw_maps = staticmethod(draw_cellular)
 
-    fill: tuple[float, float] = option(
-        (0.4, 0.48), meaning="Bounds of the probability that a cell is occupied at first, 0 to 1."
-    )
+    fill: tuple[float, float] = option((0.4, 0.48), meaning="Bounds of the probability that a cell begins occupied.")
     rounds: tuple[int, int] = option((4, 4), meaning="Bounds of how often all cells are smoothed, at most 100.")
     fill_from: int = option(5, ge=1, le=9, meaning="A cell with at least this many occupied neighbours is occupied.")
-    clear_to: int = option(
-        3, ge=-1, le=8, meaning="A cell with at most this many occupied neighbours is free; other cells do not change."
-    )
+    clear_to: int = option(3, ge=-1, le=8, meaning="Cells with so many occupied neighbours at most become free.")
 
     def problems(self) -> Iterator[tuple[str, str]]:
         """Yield key and message of invalid or conflicting options."""

@@ -8,8 +8,7 @@ import numpy as np
 
 from irsim_gym.base.errors import OptionError
 from irsim_gym.base.options import kind, option, unordered_ranges
-from irsim_gym.simulator.world.names import Flags, Floats, Group, Ints, Model, Shard, State, Struct, kernel
-from irsim_gym.simulator.world.outline import Outline
+from irsim_gym.simulator.world.names import Flags, Floats, Group, Ints, Model, Outline, Shard, State, Struct, kernel
 
 MOST_CELLS = 4_000_000
 """Maximum number of cells of a map that all worlds share."""
@@ -72,9 +71,7 @@ class LevelMap(CellsKind):
     draw_maps: ClassVar[Callable[..., None]]
     """The kernel that draws the maps of some worlds."""
 
-    resolution: float = option(
-        1.0, gt=0.0, unit="m", meaning="Cell size, rounded so that whole cells fill the world; at most 65536 cells."
-    )
+    resolution: float = option(1.0, gt=0.0, unit="m", meaning="Cell size: whole cells fill the world; 65536 at most.")
     border: bool = option(True, meaning="Occupy the outermost cells in every level.")
 
     @staticmethod

@@ -6,12 +6,10 @@ from typing import Any
 
 import numpy as np
 
-from irsim_gym.base.arraytypes import CellMaps, Flags, Ints
 from irsim_gym.base.errors import OptionError
-from irsim_gym.base.rng import integer, uniform
 from irsim_gym.bodies.maps.level import LevelMap, MapTables, bordered, span
 from irsim_gym.simulator.cell_maps.world_maps import lay_cells
-from irsim_gym.simulator.world.names import State, kernel, kind, option
+from irsim_gym.simulator.world.names import CellMaps, Flags, Ints, State, integer, kernel, kind, option, uniform
 
 
 @kernel
@@ -99,9 +97,7 @@ class MazeMap(LevelMap):
     draw_maps = staticmethod(draw_maze)
 
     corridor: float = option(1.0, gt=0.0, unit="m", meaning="Width of the corridors, in whole cells.")
-    loops: float = option(
-        0.1, ge=0.0, le=1.0, meaning="Probability that a wall is opened that the ways do not need: 0 leaves one way."
-    )
+    loops: float = option(0.1, ge=0.0, le=1.0, meaning="Probability that a needless wall is opened: 0 leaves one way.")
 
     def occupied(self, width: float, height: float, name: str, find: Callable[[str], Path]) -> Flags:
         """Return the border, shape ``(columns, rows)``.

@@ -6,13 +6,11 @@ from typing import Any
 
 import numpy as np
 
-from irsim_gym.base.arraytypes import CellMaps, Flags, Ints
 from irsim_gym.base.errors import OptionError
 from irsim_gym.base.options import kind, option, unordered_ranges
-from irsim_gym.base.rng import integer, uniform
 from irsim_gym.bodies.maps.level import LEAST_ORDER, LevelMap, MapTables, bordered, clear_inside, span
 from irsim_gym.simulator.cell_maps.world_maps import lay_cells
-from irsim_gym.simulator.world.names import State, kernel
+from irsim_gym.simulator.world.names import CellMaps, Flags, Ints, State, integer, kernel, uniform
 
 LEFT, RIGHT, LOW, HIGH, WHOLE = 0, 1, 2, 3, 4
 """Columns of a table of rooms: first and end column, first and end row, and whether the room cannot be divided."""
@@ -181,7 +179,7 @@ class RoomsMap(LevelMap):
         if self.door[1] > self.least_side:
             yield (
                 "door",
-                f"must fit into the shortest wall: at most least_side {self.least_side:g}, got {self.door[1]:g}",
+                f"must fit in the shortest wall: at most least_side {self.least_side:g}, got {self.door[1]:g}",
             )
 
     def occupied(self, width: float, height: float, name: str, find: Callable[[str], Path]) -> Flags:

@@ -6,12 +6,10 @@ from typing import Any
 
 import numpy as np
 
-from irsim_gym.base.arraytypes import CellMaps, Flags, Ints
 from irsim_gym.base.errors import OptionError
-from irsim_gym.base.rng import uniform
 from irsim_gym.bodies.maps.level import LevelMap, MapTables, bordered, clear_inside, share_problems, span
 from irsim_gym.simulator.cell_maps.world_maps import lay_cells
-from irsim_gym.simulator.world.names import State, kernel, kind, option
+from irsim_gym.simulator.world.names import CellMaps, Flags, Ints, State, kernel, kind, option, uniform
 
 
 @kernel
@@ -53,9 +51,7 @@ class ShelvesMap(LevelMap):
 
     shelf: tuple[float, float] = option((3.0, 1.0), unit="m", meaning="Length and depth of a shelf, in whole cells.")
     aisle: float = option(1.5, gt=0.0, unit="m", meaning="Width of the aisles, in whole cells.")
-    missing: tuple[float, float] = option(
-        (0.0, 0.3), meaning="Bounds of the probability that a shelf is missing, 0 to 1."
-    )
+    missing: tuple[float, float] = option((0.0, 0.3), meaning="Bounds of the probability that a shelf is missing.")
     turn: bool = option(True, meaning="Shelves stand along x or along y, as each level draws; else along x.")
 
     def problems(self) -> Iterator[tuple[str, str]]:

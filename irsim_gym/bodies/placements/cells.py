@@ -7,13 +7,12 @@ from typing import Any, ClassVar
 import numpy as np
 
 from irsim_gym.base.arraytypes import CellMap, CellMaps, Flags, Floats, Ints, Point
-from irsim_gym.base.rng import integer, uniform
 from irsim_gym.bodies.placements import free_space
 from irsim_gym.bodies.placements.free_space import WayGrids
 from irsim_gym.bodies.placements.several_goals import goals_option, misfit_of_goals
 from irsim_gym.simulator.cell_maps.world_maps import map_of
 from irsim_gym.simulator.paths.grid import Grid
-from irsim_gym.simulator.world.names import Group, Model, Shard, State, Struct, kernel, kind
+from irsim_gym.simulator.world.names import Group, Model, Shard, State, Struct, integer, kernel, kind, uniform
 from irsim_gym.simulator.world.outline import place_outline
 
 COARSE, FINE = 1.0, 0.5

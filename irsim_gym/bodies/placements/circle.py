@@ -5,11 +5,10 @@ from typing import ClassVar
 
 import numpy as np
 
-from irsim_gym.base.arraytypes import CellMaps, Floats, Ints, Point
-from irsim_gym.base.rng import uniform
+from irsim_gym.base.arraytypes import Cells, Floats, Ints, Point
 from irsim_gym.bodies.placements.free_space import is_goal_free, is_start_free
 from irsim_gym.bodies.placements.manual import put_on_start, world_box
-from irsim_gym.simulator.world.names import Group, Model, Shard, State, Struct, kernel, kind, option, row_of
+from irsim_gym.simulator.world.names import Group, Model, Shard, State, Struct, kernel, kind, option, row_of, uniform
 from irsim_gym.simulator.world.outline import place_outline
 
 MARGIN = 0.5
@@ -58,9 +57,7 @@ class CirclePlacement:
     center: tuple[float, float] | tuple[float, float, float] | None = option(
         None, unit="m", meaning="Centre; by default the centre of the world."
     )
-    radius: float | None = option(
-        None, gt=0.0, unit="m", meaning="Radius; by default half of the world's shorter side, less 0.5 m."
-    )
+    radius: float | None = option(None, gt=0.0, unit="m", meaning="Radius; default: half the shorter side less 0.5 m.")
     jitter: float = option(
         0.0,
         ge=0.0,
@@ -69,17 +66,13 @@ class CirclePlacement:
         consequence="Large on a full circle: levels take long to draw, or cannot be.",
     )
     turn: bool = option(False, meaning="Turn the whole circle by another angle in each level.")
-    scatter: bool = option(
-        False, meaning="Each level draws the places on the circle; by default they are evenly spaced."
-    )
+    scatter: bool = option(False, meaning="Each level draws the places on the circle; default: evenly spaced.")
     mirror: bool = option(
         False,
         meaning="Each goal is the mirror image of its start about the centre, and no body starts at another's goal; by "
         "default, goals are shifted independently.",
     )
-    clearance: float = option(
-        0.05, ge=0.0, unit="m", meaning="Minimum distance between outlines, for shifted or scattered starts and goals."
-    )
+    clearance: float = option(0.05, ge=0.0, unit="m", meaning="Least gap of shifted or scattered starts and goals.")
 
     @property
     def is_random(self) -> bool:
@@ -134,7 +127,7 @@ def _beyond_the_edge(center: Floats, extent: float, model: Model) -> str | None:
 
 @kernel
 def draw_shifted(
-    worlds: Ints, members: Ints, circle: CircleTables, model: Model, state: State, cells: CellMaps | None, failed: Ints
+    worlds: Ints, members: Ints, circle: CircleTables, model: Model, state: State, cells: Cells, failed: Ints
 ) -> None:
     """Rotate the circle, then draw shifts of the start and the goal of one member after another until both are free.
 
@@ -160,9 +153,7 @@ def draw_shifted(
 
 
 @kernel
-def shift_start(
-    w: int, b: int, angle: float, circle: CircleTables, model: Model, state: State, cells: CellMaps | None
-) -> float:
+def shift_start(w: int, b: int, angle: float, circle: CircleTables, model: Model, state: State, cells: Cells) -> float:
     """Draw a pose near body b's place on the circle, facing the centre.
 
     Return the angle of the place, NaN if no free pose was found.
@@ -213,14 +204,7 @@ def faces_nobody(w: int, b: int, circle: CircleTables, model: Model, state: Stat
 
 @kernel
 def shift_goal(
-    w: int,
-    b: int,
-    members: Ints,
-    angle: float,
-    circle: CircleTables,
-    model: Model,
-    state: State,
-    cells: CellMaps | None,
+    w: int, b: int, members: Ints, angle: float, circle: CircleTables, model: Model, state: State, cells: Cells
 ) -> bool:
     """Draw a goal opposite body b's place, heading away from the centre; return whether a free one was found.
 

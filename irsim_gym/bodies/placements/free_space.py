@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from irsim_gym.base.arraytypes import BodyOutline, Bytes, CellMaps, Flags, Floats, Ints, Point
+from irsim_gym.base.arraytypes import BodyOutline, Bytes, Cells, Flags, Floats, Ints, Point
 from irsim_gym.simulator.cell_maps.world_maps import map_is_closer, outline_near_map
 from irsim_gym.simulator.geometry.overlap import outline_distance, outlines_overlap, point_outline_distance
 from irsim_gym.simulator.paths.clearance import Obstacles
@@ -15,9 +15,8 @@ from irsim_gym.simulator.paths.geodesic import shortest_path
 from irsim_gym.simulator.paths.grid import Grid, Search
 from irsim_gym.simulator.paths.pulling import path_length
 from irsim_gym.simulator.paths.regions import WayTables, of_slot, way_exists, way_tables
-from irsim_gym.simulator.world.model import KEEP_GOAL, WANDER, Model
-from irsim_gym.simulator.world.names import State, kernel, option, row_of
-from irsim_gym.simulator.world.outline import outline_of
+from irsim_gym.simulator.world.model import KEEP_GOAL, WANDER
+from irsim_gym.simulator.world.names import Model, State, kernel, option, outline_of, row_of
 
 
 class WayGrids(NamedTuple):
@@ -113,9 +112,7 @@ def is_spaced(
 
 
 @kernel
-def is_start_free(
-    w: int, b: int, others: Ints, clearance: float, model: Model, state: State, cells: CellMaps | None
-) -> bool:
+def is_start_free(w: int, b: int, others: Ints, clearance: float, model: Model, state: State, cells: Cells) -> bool:
     """Return whether body b, at its present outline, is clear of the map and of the placed bodies among ``others``.
 
     A body that never moves must be clear of all placed bodies' goals, too.
@@ -183,7 +180,7 @@ def is_closer(clearance: float, outline: BodyOutline, other: BodyOutline) -> boo
 
 
 @kernel
-def is_goal_free(w: int, b: int, k: int, clearance: float, model: Model, state: State, cells: CellMaps | None) -> bool:
+def is_goal_free(w: int, b: int, k: int, clearance: float, model: Model, state: State, cells: Cells) -> bool:
     """Return whether a disc around body b at its goal k is clear of the map, placed static bodies and others' goals.
 
     Reads: model (disc_count, disc_start, drawn_goals, goal_renewal, has_goal, kept_clearance, present, reach,
@@ -228,7 +225,7 @@ def leg_start(w: int, b: int, k: int, model: Model, state: State) -> Point:
 
 @kernel
 def has_way_of_length(
-    w: int, b: int, k: int, limits: Floats, grids: WayGrids, model: Model, state: State, cells: CellMaps | None
+    w: int, b: int, k: int, limits: Floats, grids: WayGrids, model: Model, state: State, cells: Cells
 ) -> bool:
     """Return whether a disc around body b has a free way to its goal k, whose length is within ``limits`` [m].
 
@@ -249,14 +246,7 @@ def has_way_of_length(
 
 @kernel
 def confirm_ways(
-    worlds: Ints,
-    bodies: Ints,
-    limits: Floats,
-    grids: WayGrids,
-    model: Model,
-    state: State,
-    cells: CellMaps | None,
-    failed: Ints,
+    worlds: Ints, bodies: Ints, limits: Floats, grids: WayGrids, model: Model, state: State, cells: Cells, failed: Ints
 ) -> None:
     """Set ``failed`` to body + 1 where a body has no way through its goals within ``limits`` [m] any more.
 
@@ -288,7 +278,7 @@ def way_length(search: WaySearch | None, obstacles: Obstacles, radius: float, st
 
 @kernel
 def has_way(
-    w: int, b: int, start: Point, goal: Point, grids: WayGrids, model: Model, state: State, cells: CellMaps | None
+    w: int, b: int, start: Point, goal: Point, grids: WayGrids, model: Model, state: State, cells: Cells
 ) -> bool:
     """Return whether a disc around body b has a free way between two points [m] past the placed static bodies.
 

@@ -11,7 +11,7 @@ from irsim_gym.bodies.placements.manual import world_box
 from irsim_gym.bodies.placements.random_draws import DrawTables, draw_members
 from irsim_gym.bodies.placements.several_goals import goals_option, misfit_of_goals
 from irsim_gym.simulator.paths.grid import Grid
-from irsim_gym.simulator.world.names import Floats, Group, Ints, Model, Shard, State
+from irsim_gym.simulator.world.names import Floats, Group, Ints, Model, Pose, Shard, State
 
 MARGIN = 0.5
 """Distance of the default bounds from the edge of the world [m]."""
@@ -39,12 +39,8 @@ class RandomPlacement:
     range_high: tuple[float, float, float] | None = option(
         None, unit="m, m, rad", meaning="Upper bounds; by default the world drawn in by 0.5 m, and pi."
     )
-    goal_low: tuple[float, float, float] | None = option(
-        None, unit="m, m, rad", meaning="Lower bounds of the goals; by default those of the starts."
-    )
-    goal_high: tuple[float, float, float] | None = option(
-        None, unit="m, m, rad", meaning="Upper bounds of the goals; by default those of the starts."
-    )
+    goal_low: Pose | None = option(None, unit="m, m, rad", meaning="Lower bounds of goals; default: those of starts.")
+    goal_high: Pose | None = option(None, unit="m, m, rad", meaning="Upper bounds of goals; default: those of starts.")
     min_distance: float | None = option(
         None,
         ge=0.0,
@@ -64,12 +60,10 @@ class RandomPlacement:
         0.0,
         ge=0.0,
         unit="m",
-        meaning="Minimum distance from start to goal.",
-        consequence="Larger than the world: an error that names the body.",
+        meaning="Least way from start to goal.",
+        consequence="Too large: an error names the body.",
     )
-    reachable: bool = option(
-        False, meaning="Hand out only goals that a disc around the body can reach past the static bodies."
-    )
+    reachable: bool = option(False, meaning="Draw only goals that a disc around the body can reach past static ones.")
     goals: int = goals_option()
     min_way_length: float = length_option("min_way_length")
     max_way_length: float | None = length_option("max_way_length")

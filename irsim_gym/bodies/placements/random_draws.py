@@ -2,12 +2,10 @@
 
 from dataclasses import dataclass
 
-from irsim_gym.base.arraytypes import CellMaps, Flags, Floats, Ints
-from irsim_gym.base.rng import uniform
 from irsim_gym.bodies.placements import free_space
 from irsim_gym.bodies.placements.free_space import WayGrids
 from irsim_gym.simulator.geometry.buckets import bucket_of, gather_nearby, put
-from irsim_gym.simulator.world.names import Model, State, Struct, kernel, row_of
+from irsim_gym.simulator.world.names import Cells, Flags, Floats, Ints, Model, State, Struct, kernel, row_of, uniform
 from irsim_gym.simulator.world.outline import place_outline
 
 START_TRIES = 1000
@@ -53,7 +51,7 @@ class DrawTables(Struct):
 
 @kernel
 def draw_members(
-    worlds: Ints, tables: DrawTables, grids: WayGrids, model: Model, state: State, cells: CellMaps | None, failed: Ints
+    worlds: Ints, tables: DrawTables, grids: WayGrids, model: Model, state: State, cells: Cells, failed: Ints
 ) -> None:
     """Place the members of each world that are not placed yet one after another, until one finds no place.
 
@@ -114,7 +112,7 @@ def put_placed(w: int, b: int, model: Model, state: State) -> None:
 
 
 @kernel
-def draw_start(w: int, b: int, tables: DrawTables, model: Model, state: State, cells: CellMaps | None) -> bool:
+def draw_start(w: int, b: int, tables: DrawTables, model: Model, state: State, cells: Cells) -> bool:
     """Draw a pose for body b that is clear of everything placed so far; return whether one was found.
 
     Reads: tables (clearance, high, is_member, low, min_distance), model (bucket_frame, disc_count, disc_start,
@@ -147,7 +145,7 @@ def draw_start(w: int, b: int, tables: DrawTables, model: Model, state: State, c
 
 @kernel
 def draw_next_goal(
-    w: int, b: int, k: int, tables: DrawTables, grids: WayGrids, model: Model, state: State, cells: CellMaps | None
+    w: int, b: int, k: int, tables: DrawTables, grids: WayGrids, model: Model, state: State, cells: Cells
 ) -> bool:
     """Draw goal k of body b, with a path from the goal before it if required; return whether one was found.
 
@@ -165,7 +163,7 @@ def draw_next_goal(
 
 
 @kernel
-def draw_goal(w: int, b: int, k: int, tables: DrawTables, model: Model, state: State, cells: CellMaps | None) -> bool:
+def draw_goal(w: int, b: int, k: int, tables: DrawTables, model: Model, state: State, cells: Cells) -> bool:
     """Draw goal k of body b, with room for its footprint; return whether one was found.
 
     Reads: tables (clearance, goal_high, goal_low, limits, members, min_distance, min_goal_distance), model (disc_count,

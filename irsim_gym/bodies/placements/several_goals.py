@@ -2,8 +2,8 @@
 
 from typing import Any
 
-from irsim_gym.simulator.world.model import WANDER, Model
-from irsim_gym.simulator.world.names import Group, option
+from irsim_gym.simulator.world.model import WANDER
+from irsim_gym.simulator.world.names import Group, Model, option
 
 MOST_GOALS = 1000
 """Maximum number of goals of a body."""

@@ -2,11 +2,10 @@
 
 import numpy as np
 
-from irsim_gym.base.arraytypes import CellMaps, Ints
 from irsim_gym.bodies.sensors.scan_tables import ScanTables, beam_row, mount_pose
 from irsim_gym.simulator.cell_maps.cell_rays import cast_cells
 from irsim_gym.simulator.cell_maps.world_maps import map_of
-from irsim_gym.simulator.world.names import Model, State, kernel
+from irsim_gym.simulator.world.names import CellMaps, Ints, Model, State, kernel
 
 
 @kernel

@@ -4,8 +4,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from irsim_gym.base.arraytypes import Records
-from irsim_gym.simulator.world.names import Floats, Group, Ints, Model, Shard, State, kernel, kind, option
+from irsim_gym.simulator.world.names import Floats, Group, Ints, Model, Records, Shard, State, kernel, kind, option
 from irsim_gym.simulator.world.outline import Outline
 
 

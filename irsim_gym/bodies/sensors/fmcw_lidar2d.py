@@ -6,8 +6,7 @@ import numpy as np
 
 from irsim_gym.base.options import defaults, kind, option
 from irsim_gym.bodies.sensors import hits, reports, scanning
-from irsim_gym.simulator.world.names import Group, Model, Shard, State
-from irsim_gym.simulator.world.outline import Outline
+from irsim_gym.simulator.world.names import Group, Model, Outline, Shard, State
 
 
 @kind
@@ -39,13 +38,9 @@ class FmcwLidar2D(scanning.RangeSensor):
     ``motion_compensate``, to the ground.
     """
 
-    velocity_noise_std: float = option(
-        0.0, ge=0.0, unit="m/s", meaning="Standard deviation of the velocity noise; applies also with noise: false."
-    )
+    velocity_noise_std: float = option(0.0, ge=0.0, unit="m/s", meaning="Noise of velocities, also with noise: false.")
     motion_compensate: bool = option(False, meaning="Subtract the sensor's own motion from the velocities.")
-    alpha: float | None = option(
-        None, ge=0.0, le=1.0, meaning="Opacity of beams that hit; default: 1, or 0.3 without velocity_color."
-    )
+    alpha: float | None = option(None, ge=0.0, le=1.0, meaning="Opacity of hits; default: 1, without colours 0.3.")
     color: str = option("#F97316", min_length=1, meaning="Colour of the beams without velocity_color.")
     plot: FmcwPlot = option(defaults(FmcwPlot), meaning="Drawing options of the sensor.")
 

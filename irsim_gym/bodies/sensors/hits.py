@@ -2,12 +2,10 @@
 
 import numpy as np
 
-from irsim_gym.base.arraytypes import Floats, Ints, Rays, Records
-from irsim_gym.base.rng import normal
 from irsim_gym.bodies.sensors.casting import cast_discs, cast_segments
 from irsim_gym.bodies.sensors.scan_tables import ScanTables, beam_row, mount_pose
 from irsim_gym.simulator.geometry.ray_chunks import Eye
-from irsim_gym.simulator.world.names import Model, State, kernel, row_of
+from irsim_gym.simulator.world.names import Floats, Ints, Model, Rays, Records, State, kernel, normal, row_of
 
 SAME = 1e-4
 """Tolerance [m, and as a share] by which a range must be shorter than that to the nearest body to end at the map."""

@@ -5,8 +5,7 @@ from typing import Any
 import numpy as np
 
 from irsim_gym.bodies.sensors import hits, reports, scanning
-from irsim_gym.simulator.world.names import Group, Model, Shard, State, kind, option
-from irsim_gym.simulator.world.outline import Outline
+from irsim_gym.simulator.world.names import Group, Model, Outline, Shard, State, kind, option
 
 
 @kind

@@ -6,9 +6,8 @@ directions of all members, then for their ranges.
 
 import numpy as np
 
-from irsim_gym.base.rng import normal
 from irsim_gym.bodies.sensors.scan_tables import ScanTables, beam_row
-from irsim_gym.simulator.world.names import Ints, State, kernel
+from irsim_gym.simulator.world.names import Ints, State, kernel, normal
 
 
 @kernel

@@ -4,10 +4,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from irsim_gym.base.arraytypes import Floats, Ints, Labels, Rays, Records
 from irsim_gym.simulator.geometry.angles import turned
 from irsim_gym.simulator.geometry.ray_chunks import Eye
-from irsim_gym.simulator.world.names import Struct, kernel
+from irsim_gym.simulator.world.names import Floats, Ints, Labels, Rays, Records, Struct, kernel
 
 
 @dataclass(repr=False)

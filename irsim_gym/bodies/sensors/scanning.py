@@ -14,8 +14,7 @@ from irsim_gym.simulator.cell_maps.cell_rays import N_FLOATS, N_INTEGERS
 from irsim_gym.simulator.geometry.polygons import contains_point
 from irsim_gym.simulator.geometry.ray_chunks import BLOCK, CHUNK, DISCS, ROUNDS, SIDES, Eye
 from irsim_gym.simulator.world.arrays import aligned
-from irsim_gym.simulator.world.names import Floats, Group, Model, Rays, Shard, State, kind, option
-from irsim_gym.simulator.world.outline import Outline
+from irsim_gym.simulator.world.names import Floats, Group, Model, Outline, Pose, Rays, Shard, State, kind, option
 
 FULL_TURN = 2.0 * np.pi
 
@@ -44,11 +43,7 @@ class RangeSensor:
     reading: ClassVar[str] = "ranges"
 
     number: int = option(
-        100,
-        ge=1,
-        le=100_000,
-        meaning="Number of beams.",
-        consequence="If large, steps take longer. If small, beams miss thin things.",
+        100, ge=1, le=100_000, meaning="Number of beams.", consequence="Many: slow. Few: thin things are missed."
     )
     angle_range: float = option(
         np.pi,
@@ -57,28 +52,13 @@ class RangeSensor:
         meaning="Angle between first and last beam; at most 2 pi, where both look the same way.",
         consequence="Degrees instead of radians give a full turn.",
     )
-    range_min: float = option(
-        0.0, ge=0.0, unit="m", meaning="Shorter ranges are reported as this value and marked invalid."
-    )
+    range_min: float = option(0.0, ge=0.0, unit="m", meaning="Shorter ranges are this value and marked invalid.")
     range_max: float = option(10.0, gt=0.0, unit="m", meaning="Maximum range; a beam that hits nothing reports this.")
     scan_time: float = option(0.1, gt=0.0, unit="s", meaning="Duration of a scan; for information only.")
     noise: bool = option(False, meaning="Add noise to ranges and directions; beams that hit nothing keep their range.")
-    std: float = option(
-        0.2,
-        ge=0.0,
-        unit="m",
-        meaning="Standard deviation of the range noise.",
-        consequence="If as large as range_max, ranges are useless.",
-    )
-    angle_std: float = option(
-        0.02,
-        ge=0.0,
-        unit="rad",
-        meaning="With noise, standard deviation of the directions; reported angles do not change.",
-    )
-    offset: tuple[float, float, float] = option(
-        (0.0, 0.0, 0.0), unit="m, m, rad", meaning="Mount pose in the body frame."
-    )
+    std: float = option(0.2, ge=0.0, unit="m", meaning="Standard deviation of the range noise.")
+    angle_std: float = option(0.02, ge=0.0, unit="rad", meaning="With noise, standard deviation of the directions.")
+    offset: Pose = option((0.0, 0.0, 0.0), unit="m, m, rad", meaning="Mount pose in the body frame.")
 
     problems = range_problems
     angles = beam_angles

@@ -6,9 +6,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from irsim_gym.base.options import kind, option, unordered_ranges
-from irsim_gym.base.rng import uniform
-from irsim_gym.simulator.world.names import Group, Ints, Model, Shard, State, kernel
-from irsim_gym.simulator.world.outline import Outline
+from irsim_gym.simulator.world.names import Group, Ints, Model, Outline, Shard, State, kernel, uniform
 
 LEAST_SIZE = 1e-3
 """Lower bound of random radii [m]."""
@@ -24,9 +22,7 @@ class Circle:
     center: tuple[float, float] = option((0.0, 0.0), unit="m", meaning="Centre in the body frame.")
     random_shape: bool = option(False, meaning="Draw the radius from radius_range at each reset.")
     radius_range: tuple[float, float] = option((0.1, 1.0), unit="m", meaning="Bounds of a random radius.")
-    wheelbase: float | None = option(
-        None, ge=0.0, unit="m", meaning="Axle distance; the disc moves forward by half of it."
-    )
+    wheelbase: float | None = option(None, ge=0.0, unit="m", meaning="Axle distance; half of it shifts the disc ahead.")
 
     @property
     def is_random(self) -> bool:

@@ -5,12 +5,12 @@ from typing import Any, ClassVar, Literal
 
 import numpy as np
 
-from irsim_gym.base.arraytypes import Floats
 from irsim_gym.base.options import defaults, kind, option
 from irsim_gym.bodies.shapes.circle import Circle
 from irsim_gym.bodies.shapes.polygon import flaw_of
 from irsim_gym.bodies.shapes.rectangle import Rectangle
-from irsim_gym.simulator.world.outline import CIRCLE_CORNERS, Outline, chain
+from irsim_gym.simulator.world.names import Floats, Outline, Pose, chain
+from irsim_gym.simulator.world.outline import CIRCLE_CORNERS
 
 KEYS = {"circle": ("radius", "center"), "rectangle": ("length", "width"), "polygon": ("vertices",)}
 """Options of each shape of a part."""
@@ -23,9 +23,7 @@ class CompoundPart:
     """One part of a compound."""
 
     name: Literal["circle", "rectangle", "polygon"] = option(meaning="Shape of the part.")
-    pose: tuple[float, float, float] = option(
-        (0.0, 0.0, 0.0), unit="m, m, rad", meaning="Pose of the part in the body frame."
-    )
+    pose: Pose = option((0.0, 0.0, 0.0), unit="m, m, rad", meaning="Pose of the part in the body frame.")
     radius: float | None = option(None, gt=0.0, unit="m", meaning="Radius of a circle; by default 0.2.")
     center: tuple[float, float] | None = option(None, unit="m", meaning="Centre of a circle; by default the origin.")
     length: float | None = option(None, gt=0.0, unit="m", meaning="Size of a rectangle along its x axis; by default 1.")

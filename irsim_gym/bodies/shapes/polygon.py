@@ -6,8 +6,7 @@ import numpy as np
 
 from irsim_gym.bodies.shapes.random_outline import VertexShape, draw_outlines, outline_problems
 from irsim_gym.simulator.geometry.polygons import signed_area
-from irsim_gym.simulator.world.names import Group, Model, Shard, State, kind
-from irsim_gym.simulator.world.outline import Outline, chain
+from irsim_gym.simulator.world.names import Group, Model, Outline, Shard, State, chain, kind
 
 
 @kind

@@ -5,11 +5,8 @@ from typing import Any
 
 import numpy as np
 
-from irsim_gym.base.arraytypes import Floats, Ints, Words
 from irsim_gym.base.options import kind, option, unordered_ranges
-from irsim_gym.base.rng import integer, normal, uniform
-from irsim_gym.simulator.world.names import Model, State, kernel
-from irsim_gym.simulator.world.outline import chain
+from irsim_gym.simulator.world.names import Floats, Ints, Model, State, Words, chain, integer, kernel, normal, uniform
 
 STEP_TRIES = 32
 """Maximum number of draws of the angles between vertices."""
@@ -34,18 +31,10 @@ class VertexShape:
     center_range: tuple[float, float, float, float] = option(
         (0.0, 0.0, 0.0, 0.0), unit="m", meaning="Bounds of a random outline's centre: x, y, x, y."
     )
-    avg_radius_range: tuple[float, float] = option(
-        (0.1, 1.0), unit="m", meaning="Bounds of the mean distance of vertices from the centre."
-    )
-    irregularity_range: tuple[float, float] = option(
-        (0.0, 1.0), meaning="Bounds of the irregularity of the angles between vertices, 0 to 1."
-    )
-    spikeyness_range: tuple[float, float] = option(
-        (0.0, 1.0), meaning="Bounds of the relative deviation of the vertices' distances, 0 to 1."
-    )
-    num_vertices_range: tuple[int, int] = option(
-        (4, 10), meaning="Bounds of the number of vertices, the upper one excluded."
-    )
+    avg_radius_range: tuple[float, float] = option((0.1, 1.0), unit="m", meaning="Bounds of vertices' mean distance.")
+    irregularity_range: tuple[float, float] = option((0.0, 1.0), meaning="Bounds of the angles' irregularity, 0 to 1.")
+    spikeyness_range: tuple[float, float] = option((0.0, 1.0), meaning="Bounds of the distances' deviation, 0 to 1.")
+    num_vertices_range: tuple[int, int] = option((4, 10), meaning="Bounds of the number of vertices, upper excluded.")
 
     @property
     def is_random(self) -> bool:

@@ -6,9 +6,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from irsim_gym.base.options import kind, option, unordered_ranges
-from irsim_gym.base.rng import uniform
-from irsim_gym.simulator.world.names import Group, Ints, Model, Shard, State, kernel
-from irsim_gym.simulator.world.outline import Outline, chain
+from irsim_gym.simulator.world.names import Group, Ints, Model, Outline, Shard, State, chain, kernel, uniform
 
 LEAST_SIZE = 1e-3
 """Lower bound of random lengths and widths [m]."""

@@ -5,8 +5,7 @@ import numpy as np
 from irsim_gym.bodies.shields.tables import ShieldTables
 from irsim_gym.bodies.shields.walls import is_too_near
 from irsim_gym.simulator.step.command_limits import hold_speed
-from irsim_gym.simulator.world.names import Model, State, kernel, row_of
-from irsim_gym.simulator.world.outline import own_outline
+from irsim_gym.simulator.world.names import Model, State, kernel, own_outline, row_of
 from irsim_gym.simulator.world.twist import body_twist
 
 REST = 2e-5

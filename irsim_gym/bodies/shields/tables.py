@@ -4,10 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from irsim_gym.base.arraytypes import Flags, Floats, Ints
 from irsim_gym.bodies.behaviors.shared.steering import commanded_by_rate
-from irsim_gym.simulator.world.names import Group, Struct
-from irsim_gym.simulator.world.own_scan import OwnScan
+from irsim_gym.simulator.world.names import Flags, Floats, Group, Ints, OwnScan, Struct
 from irsim_gym.simulator.world.response import Response
 
 WALLS_OF_A_PAIR = 3

@@ -2,12 +2,10 @@
 
 import numpy as np
 
-from irsim_gym.base.arraytypes import BodyOutline, Floats, Rays
 from irsim_gym.bodies.shields.tables import ShieldTables
 from irsim_gym.simulator.geometry.overlap import is_round, outline_distance
 from irsim_gym.simulator.geometry.segments import point_segment_distance2, segment_segment_distance2
-from irsim_gym.simulator.world.names import Model, State, kernel, row_of
-from irsim_gym.simulator.world.outline import own_outline
+from irsim_gym.simulator.world.names import BodyOutline, Floats, Model, Rays, State, kernel, own_outline, row_of
 
 TOLERANCE = 5e-4
 """Added to the margin [m], so that small errors of ranges, corners and braking may add up."""

@@ -23,6 +23,7 @@ from irsim_gym.evaluation.policies.drive_actions import to_actions
 from irsim_gym.evaluation.policies.perception import Perceives, Perception, perceived_task
 from irsim_gym.evaluation.protocol.tables import write_bytes
 from irsim_gym.evaluation.requests.inputs import check_inputs
+from irsim_gym.evaluation.requests.interruption import StopRequest
 from irsim_gym.evaluation.requests.scenario_request import ScenarioRequest
 from irsim_gym.evaluation.saved_policies.policies import load_policy
 from irsim_gym.rendering.controls import Driver
@@ -142,14 +143,14 @@ class Player:
 
     def run(self) -> PlayResult:
         """Play until the person quits with esc, Ctrl-C or by closing the window; then write the demonstrations."""
+        # Ctrl-C ends the loop between two steps: an exception amid Tk's drawing would be another one there.
         try:
-            while not self._quit:
-                due = time.perf_counter() + self._scenario.world.step_time / self._settings.speed
-                self._one_step()
-                self._show()
-                self._pause_until(due)
-        except KeyboardInterrupt:
-            pass
+            with StopRequest().listening() as stop:
+                while not self._quit and stop.signal is None:
+                    due = time.perf_counter() + self._scenario.world.step_time / self._settings.speed
+                    self._one_step()
+                    self._show()
+                    self._pause_until(due)
         finally:
             self.close()
         recorded = 0 if self._recorder is None else self._recorder.n_episodes

@@ -80,9 +80,7 @@ def run_training(
         with ctrl_c_as_error("stopped at once; the newest checkpoint is kept"):
             train(settings, run.folder, **how)
     except TrainingInterruptedError as stop:
-        raise TrainingInterruptedError(
-            f"{stop}. To continue, run the same command with --resume.", stop.signal
-        ) from None
+        raise TrainingInterruptedError(f"{stop}. To go on, run the same command with --resume.", stop.signal) from None
     if dev_levels:
         _show_scores(run, dev_levels, console)
     print(f"policy: {run.policy}")

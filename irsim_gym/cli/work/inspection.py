@@ -27,13 +27,7 @@ MAP_CELL, MOST_CELLS = 0.05, 4_000_000
 
 
 def draw_level(
-    scenario: str,
-    level: int,
-    split: str,
-    task: str | None,
-    out: Path | None,
-    parameters: Parameters = None,
-    strict: bool = True,
+    scenario: str, level: int, split: str, task: str | None, out: Path | None, parameters: Parameters, strict: bool
 ) -> Path:
     """Draw the start of a level into a file, and return its path. The scenario needs no learner.
 

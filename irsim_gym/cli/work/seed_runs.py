@@ -140,9 +140,7 @@ def _summarize(folder: Path, settings: Settings, runs: Sequence[Run], levels: in
     write_text(folder / f"{RESULTS}.md", "\n".join([*seed_summary.markdown_table(head, rows), "", line, ""]))
     title = f"{evaluation.scenario}: {method.upper()}, {levels:,} test levels, {evaluation.level_set}"
     print_table(figure_table(title, head, rows))
-    print(
-        f"{line}\ntable, summary and learning curves: {folder / RESULTS}.md, .json, .png; evaluation: {folder / TEST}"
-    )
+    print(f"{line}\ntable, summary and curves: {folder / RESULTS}.md, .json, .png; evaluation: {folder / TEST}")
 
 
 def _summary_line(summary: seed_summary.Figures, worst: Mapping[str, float]) -> str:

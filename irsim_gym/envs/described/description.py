@@ -23,10 +23,7 @@ STATE_NAMES = {"is_success": "success"}
 """Keys of infos that ``EpisodeState`` has under another name."""
 CODES = {"outcome": Outcome, "hit_kind": HitKind}
 """Keys of infos whose numbers stand for words."""
-OF_TEAMS = {
-    "idle": "it had ended before the step (black_death)",
-    "action_mask": "1 for each choice that is not masked, int8",
-}
+OF_TEAMS = {"idle": "it had ended before the step (black_death)", "action_mask": "1 for each choice not masked, int8"}
 """Keys of infos that the parallel environment adds."""
 SIGNS = {"potential": "+ or -", "bonus": "+", "penalty": "-", "running": "-"}
 

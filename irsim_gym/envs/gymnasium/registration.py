@@ -84,9 +84,7 @@ def _register(env_id: str, kwargs: dict[str, Any]) -> None:
         register_post_import_hook(partial(_register_parallel, env_id, kwargs), "pettingzoo")
     elif spec.kwargs != kwargs:
         taken, title = (source.get("scenario", "any file") for source in (spec.kwargs, kwargs))
-        raise IrsimGymError(
-            f"the id '{env_id}' is taken by {taken}; rename {title} or register it under another namespace"
-        )
+        raise IrsimGymError(f"the id '{env_id}' is taken by {taken}; rename {title}, or take another namespace")
 
 
 def _register_parallel(env_id: str, kwargs: dict[str, Any], pettingzoo: Any) -> None:

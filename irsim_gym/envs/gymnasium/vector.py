@@ -302,9 +302,7 @@ class WorldVectorEnv(ManyWorlds, VectorEnv[Observation, Any, NDArray[Any]]):  # 
         if isinstance(level, int | np.integer):
             return [{**options, "level": int(level) + w} for w in range(self.num_envs)]
         if len(level) != self.num_envs:
-            raise ValueError(
-                f"options['level'] needs one level for each of the {self.num_envs} worlds, got {len(level)}"
-            )
+            raise ValueError(f"options['level'] needs a level for each of the {self.num_envs} worlds, got {len(level)}")
         return [{**options, "level": value} for value in level]
 
     def _mask(self, mask: object) -> Flags:

@@ -45,9 +45,7 @@ def checked_choice(levels: Sequence[int] | Ints, count: int) -> Ints:
         raise ValueError(f"levels must hold a whole number for each of {count} worlds, got {levels!r}")
     wrong = (numbers < CHAIN) | (numbers > LAST)
     if wrong.any():
-        raise ValueError(
-            f"levels must be from 0 to {LAST}, or {CHAIN} for the next of the chain, got {numbers[wrong][0]}"
-        )
+        raise ValueError(f"levels must be 0 to {LAST}, or {CHAIN} for the next of the chain, got {numbers[wrong][0]}")
     return numbers.astype(np.int64)
 
 

@@ -1,18 +1,17 @@
 """Buffers for Stable-Baselines3 that leave out the rows of agents that wait for their world."""
 
-from collections.abc import Generator, Sequence
+from collections.abc import Generator
 from copy import copy
 from functools import partial
 from typing import Any, Protocol, TypeVar
 
 import numpy as np
-from gymnasium import Space
 from numpy.typing import NDArray
-from stable_baselines3.common.buffers import DictReplayBuffer, DictRolloutBuffer, ReplayBuffer, RolloutBuffer
+from stable_baselines3.common.buffers import DictRolloutBuffer, RolloutBuffer
 from stable_baselines3.common.type_aliases import RolloutBufferSamples
 from stable_baselines3.common.vec_env import VecEnv
 
-from irsim_gym.base.arraytypes import Flags, Ints
+from irsim_gym.base.arraytypes import Flags
 from irsim_gym.envs.parts.observations import on_each
 
 BufferT = TypeVar("BufferT", bound=RolloutBuffer)
@@ -62,59 +61,6 @@ class MaskedRolloutBuffer(RolloutBuffer):
 
 class MaskedDictRolloutBuffer(MaskedRolloutBuffer, DictRolloutBuffer):  # type: ignore[misc]
     """``MaskedRolloutBuffer`` for dict observations."""
-
-
-class MaskedReplayBuffer(ReplayBuffer):
-    """A replay buffer for SAC, TD3 and DQN that stores the transitions of agents that acted, and no others.
-
-    It holds up to ``buffer_size`` transitions of all slots together.
-
-    Args:
-        buffer_size: Most transitions, of all slots together.
-        observation_space: What is observed.
-        action_space: What is done.
-        device: Where PyTorch puts what is sampled.
-        n_envs: Slots; their rows are stored one below the other.
-        optimize_memory_usage: Only False.
-        handle_timeout_termination: An episode that was cut by its time limit counts as one that goes on.
-
-    Raises:
-        ValueError: ``optimize_memory_usage`` is True.
-    """
-
-    def __init__(
-        self,
-        buffer_size: int,
-        observation_space: Space[Any],
-        action_space: Space[Any],
-        device: Any = "auto",
-        n_envs: int = 1,
-        optimize_memory_usage: bool = False,
-        handle_timeout_termination: bool = True,
-    ) -> None:
-        if optimize_memory_usage:
-            raise ValueError("optimize_memory_usage is not supported, because rows are not in the order of steps")
-        super().__init__(
-            buffer_size, observation_space, action_space, device, 1, False, handle_timeout_termination
-        )  # fmt: skip
-
-    def add(self, obs: Any, next_obs: Any, action: Any, reward: Any, done: Any, infos: list[dict[str, Any]]) -> None:
-        """Store a transition of each slot that acted; see ``ReplayBuffer.add``."""
-        slots, rows = _places(self, infos)
-        for stored, seen in ((self.observations, obs), (self.next_observations, next_obs)):
-            for part, fresh in zip(_parts(stored), _parts(seen), strict=True):
-                part[rows, 0] = fresh[slots]
-        self.actions[rows, 0] = np.asarray(action).reshape(len(infos), self.action_dim)[slots]
-        self.rewards[rows, 0] = np.asarray(reward)[slots]
-        self.dones[rows, 0] = np.asarray(done)[slots]
-        if self.handle_timeout_termination:
-            self.timeouts[rows, 0] = [infos[slot].get("TimeLimit.truncated", False) for slot in slots.tolist()]
-        self.full = self.full or self.pos + len(slots) >= self.buffer_size
-        self.pos = (self.pos + len(slots)) % self.buffer_size
-
-
-class MaskedDictReplayBuffer(MaskedReplayBuffer, DictReplayBuffer):
-    """``MaskedReplayBuffer`` for dict observations."""
 
 
 def team_below(env: VecEnv) -> Team:
@@ -186,15 +132,3 @@ def keep_experience_in(buffer: Any, values: NDArray[Any]) -> NDArray[Any]:
     """Return values ``(buffer_size, n_envs, ...)`` as rows, slot after slot: those that are experience."""
     rows: NDArray[Any] = buffer.swap_and_flatten(values)[buffer.swap_and_flatten(buffer.acted)[:, 0]]
     return rows
-
-
-def _places(buffer: ReplayBuffer, infos: Sequence[dict[str, Any]]) -> tuple[Ints, Ints]:
-    """Return the slots that acted, and the rows in which they are to be stored."""
-    slots = np.array([slot for slot, info in enumerate(infos) if not info.get("idle")], np.int64)
-    slots = slots[-buffer.buffer_size :]
-    return slots, (buffer.pos + np.arange(len(slots))) % buffer.buffer_size
-
-
-def _parts(seen: Any) -> list[NDArray[Any]]:
-    """Return the arrays of observations, sorted by their names."""
-    return [seen[name] for name in sorted(seen)] if isinstance(seen, dict) else [seen]

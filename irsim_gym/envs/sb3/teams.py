@@ -8,11 +8,7 @@ from typing import Any
 
 import numpy as np
 from gymnasium.error import ResetNeeded
-from gymnasium.spaces import Dict
 from numpy.typing import NDArray
-from stable_baselines3.common.base_class import BaseAlgorithm
-from stable_baselines3.common.on_policy_algorithm import OnPolicyAlgorithm
-from stable_baselines3.common.vec_env import VecEnv
 
 from irsim_gym.base.arraytypes import Flags, Ints, Rays
 from irsim_gym.base.errors import WaitingRobotsWarning
@@ -22,7 +18,6 @@ from irsim_gym.envs.parts.infos import reward_keys
 from irsim_gym.envs.parts.observations import on_each
 from irsim_gym.envs.parts.spaces import Observation
 from irsim_gym.envs.sb3.base import NativeVecEnv, checked_mode
-from irsim_gym.envs.sb3.buffers import MaskedDictReplayBuffer, MaskedReplayBuffer, team_below
 from irsim_gym.envs.teams.batch import Batch
 from irsim_gym.envs.teams.batch_step import BatchStep
 from irsim_gym.tasks import Outcome
@@ -52,7 +47,7 @@ def make_multi_agent_vec_env(
             robots learn.
         max_steps: Time limit of a robot [steps]; None for the task's.
         respawn: False: a robot that has ended waits until all robots of its world have; ``MaskedPPO``, ``MaskedA2C``
-            and the buffers of ``buffers_for`` leave it out. True: it restarts elsewhere at once, and none waits.
+            and ``GruPPO`` leave it out. True: it restarts elsewhere at once, and none waits.
         world_steps: With ``respawn``, steps after which a world begins its next level; None for four time limits.
         num_threads: Threads that share the worlds.
         render_mode: ``"rgb_array"``: a frame is drawn only where ``render`` is called, ``render("human")`` shows it.
@@ -77,31 +72,6 @@ def make_multi_agent_vec_env(
     return env
 
 
-def buffers_for(algorithm: type[BaseAlgorithm], env: VecEnv) -> dict[str, Any]:
-    """Return the arguments that make an algorithm leave out waiting robots, e.g. ``SAC(policy, env, **these)``.
-
-    ``load`` takes them too: ``SAC.load(path, env=env, **sb3.buffers_for(SAC, env))``.
-
-    Args:
-        algorithm: SAC, TD3, DQN or another one with a replay buffer. ``MaskedPPO``, ``MaskedA2C`` and
-            ``GruPPO`` have their own buffers and need no arguments.
-        env: The environment of ``make_multi_agent_vec_env``, with or without wrappers.
-
-    Raises:
-        TypeError: The algorithm has no replay buffer, or the environment is no team.
-    """
-    team_below(env).leaves_out_waiting = True
-    if getattr(algorithm, "leaves_out_waiting", False):
-        return {}
-    if issubclass(algorithm, OnPolicyAlgorithm):
-        raise TypeError(
-            f"{algorithm.__name__} cannot tell its buffer which robots acted; use sb3.MaskedPPO, sb3.MaskedA2C or "
-            "sb3.GruPPO, or derive from one of them"
-        )
-    is_dict = isinstance(env.observation_space, Dict)
-    return {"replay_buffer_class": MaskedDictReplayBuffer if is_dict else MaskedReplayBuffer}
-
-
 class TeamVecEnv(NativeVecEnv):
     """Worlds of one scenario with a slot for each robot: slot ``world * n_agents + agent``.
 
@@ -123,9 +93,8 @@ class TeamVecEnv(NativeVecEnv):
         batch: The worlds.
         acted: Slots whose row of the latest step is experience, ``(n_slots,)``.
         acting: Slots that will act in the next step, ``(n_slots,)``.
-        leaves_out_waiting: Whoever steps the environment ignores the rows of idle slots. ``MaskedPPO``, ``MaskedA2C``,
-            ``GruPPO`` and ``buffers_for`` set it; set it in a loop of your own that reads ``acted``, or
-            ``idle`` in the infos.
+        leaves_out_waiting: Whoever steps the environment ignores the rows of idle slots. ``MaskedPPO``, ``MaskedA2C``
+            and ``GruPPO`` set it; set it in a loop of your own that reads ``acted``, or ``idle`` in the infos.
     """
 
     leaves_out_waiting = False
@@ -211,9 +180,8 @@ class TeamVecEnv(NativeVecEnv):
         self._has_warned = True
         warnings.warn(
             "some robots wait for their world, and an algorithm that does not know it learns from their rows as if "
-            "they acted. Use sb3.MaskedPPO or sb3.MaskedA2C, SAC, TD3 or DQN with **sb3.buffers_for(SAC, env), or make "
-            "the environment with respawn=True. In a loop of your own, read env.acted and set "
-            "env.leaves_out_waiting = True",
+            "they acted. Use sb3.MaskedPPO, sb3.MaskedA2C or sb3.GruPPO, or make the environment with respawn=True. In "
+            "a loop of your own, read env.acted and set env.leaves_out_waiting = True",
             WaitingRobotsWarning,
             stacklevel=4,
         )

@@ -112,9 +112,7 @@ class Batch(ManyWorlds):
         if world_steps is not None and (not respawn or world_steps < 1):
             raise ValueError(f"world_steps is for agents that respawn and must be >= 1, got {world_steps!r}")
         if respawn and worlds.episodes.waits:
-            raise IrsimGymError(
-                "agents that restart one by one cannot wait for others: omit respawn, or set wait: false"
-            )
+            raise IrsimGymError("agents that restart one by one cannot wait: omit respawn, or set wait: false")
         self.worlds = worlds
         self.autoreset, self.respawn = autoreset, respawn
         self.world_steps = world_steps or WORLD_LIMITS * worlds.episodes.task.max_steps

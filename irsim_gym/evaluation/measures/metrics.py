@@ -15,7 +15,7 @@ HIT_OF_KIND = ("", *HITS, "obstacle")
 CONFIDENCE = 0.95
 MEANS = (
     *("spl", "sct", "min_clearance", "acceleration", "jerk", "intrusion_025", "intrusion_045", "time_to_collision"),
-    "shield",
+    *("shield", "delivered", "effort"),
 )
 MEANS_OF_SUCCESSES = ("path_length", "path_ratio")
 
@@ -45,6 +45,8 @@ class EpisodeRow:
         goals_per_minute: ``goals_reached`` by duration, or by the time limit if it did not reach all [1/min]; likewise.
         goal_distance: True distance from the goal at the end [m], whatever the robot believes; NaN if not measured.
         shield: Share of steps in which the shield changed the command; NaN without one.
+        delivered: Share of bodies to be pushed that lie in their targets at the end; NaN unless the task asks for it.
+        effort: Work against what the agent pushes [J]; NaN where bodies do not push each other.
     """
 
     level: int
@@ -65,6 +67,8 @@ class EpisodeRow:
     goals_per_minute: float = math.nan
     goal_distance: float = math.nan
     shield: float = math.nan
+    delivered: float = math.nan
+    effort: float = math.nan
 
     @property
     def is_success(self) -> bool:
@@ -184,6 +188,8 @@ class SharedFigures:
             only one goal.
         end_distance: Mean true distance from the goal at the end [m], over successes and misplaced ones.
         shield: Mean share of steps in which the shield changed the command; NaN without one.
+        delivered: Mean share of bodies to be pushed that lie in their targets at the end; NaN unless asked for.
+        effort: Mean work against what is pushed [J]; NaN where bodies do not push each other.
         goals_per_collision: Number of reached goals for each collision, without unit; infinite without any.
     """
 
@@ -207,6 +213,8 @@ class SharedFigures:
     throughput: float = math.nan
     end_distance: float = math.nan
     shield: float = math.nan
+    delivered: float = math.nan
+    effort: float = math.nan
     goals_per_collision: float = math.nan
 
 

@@ -6,6 +6,7 @@ import numpy as np
 
 from irsim_gym.base.arraytypes import Floats, Ints
 from irsim_gym.evaluation.measures.people import PeopleLog
+from irsim_gym.evaluation.measures.pushes import PushLog
 from irsim_gym.tasks import Episodes, Outcome
 
 
@@ -17,10 +18,11 @@ class MotionLog:
 
     Attributes:
         people: Measures how close agents come to people.
+        pushes: Measures the work that agents do on what they push.
     """
 
     def __init__(self, episodes: Episodes) -> None:
-        self.people = PeopleLog(episodes)
+        self.people, self.pushes = PeopleLog(episodes), PushLog(episodes)
         shape = episodes.n_worlds, episodes.n_agents
         self._count: Ints = np.zeros(shape, np.int64)
         self._velocity: Floats = np.zeros((*shape, 2))
@@ -30,12 +32,14 @@ class MotionLog:
     def began(self, episodes: Episodes, worlds: Ints, indices: Ints) -> None:
         """Record the velocities at the start."""
         self.people.began(worlds)
+        self.pushes.began(worlds)
         self._count[worlds], self._sums[worlds] = 0, 0.0
         self._velocity[worlds] = self._velocities(episodes, worlds)
 
     def stepped(self, episodes: Episodes, worlds: Ints) -> None:
         """Add the motion of agents whose episode was running."""
         self.people.stepped(episodes, worlds)
+        self.pushes.stepped(episodes, worlds)
         infos, dt = episodes.view.infos, float(episodes.simulation.model.step_time[0])
         count = self._count[worlds]
         steps = episodes.steps_to_arrival(worlds)

@@ -57,7 +57,9 @@ class Optima:
 
     @staticmethod
     def _measure(episodes: Episodes, world: int, agent: int) -> list[float]:
-        simulation = episodes.simulation
+        simulation, task = episodes.simulation, episodes.task
+        if not any(term.needs_goal for term in (*task.observations, *task.rewards, *task.endings)):
+            return [math.inf]  # nobody heeds a goal, if there is one
         model, state = simulation.model, simulation.state
         radius = float(model.reach[world % len(model.reach), simulation.agents[agent]])
         ways = pairwise(stops(episodes, world, agent))

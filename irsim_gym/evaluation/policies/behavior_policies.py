@@ -144,9 +144,7 @@ def _one_group(policy: BehaviorPolicy, episodes: Episodes, driven: Ints) -> list
     group, *others = with_scans(group, simulation.scenario.bodies, simulation.sensors)
     if others:
         place = simulation.parts.places[int(others[0].members[0])]
-        raise UnfitBehaviorError(
-            f"'{policy.name}' reads scans with the same beams, but {place} has another range sensor"
-        )
+        raise UnfitBehaviorError(f"'{policy.name}' reads scans with the same beams, but {place} has another sensor")
     group.arrays["decides"] = np.isin(members, driven)
     return [group]
 

@@ -11,6 +11,7 @@ from irsim_gym.base.errors import IrsimGymError
 from irsim_gym.evaluation.measures.metrics import HIT_OF_KIND, EpisodeRow
 from irsim_gym.evaluation.measures.motion import MotionLog
 from irsim_gym.evaluation.measures.optimum import Optima
+from irsim_gym.evaluation.measures.pushes import delivered
 from irsim_gym.evaluation.measures.watcher import Watcher
 from irsim_gym.evaluation.policies.policy import Actions, ObservationPolicy, Policy, by_agent
 from irsim_gym.scenario.specs.spec import Scenario
@@ -179,6 +180,8 @@ def episode_row(
         goals_per_minute=_goals_per_minute(episodes, world, agent),
         goal_distance=float(infos["goal_distance"]),
         shield=float(infos["shield"]) / max(int(infos["steps"]), 1) if "shield" in infos else math.nan,
+        delivered=delivered(episodes, world),
+        effort=motion.pushes.effort(world, agent),
     )
 
 

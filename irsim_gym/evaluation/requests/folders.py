@@ -49,9 +49,7 @@ def check_no_results(folder: Path | None, overwrite: bool) -> None:
         IrsimGymError: If it holds results.
     """
     if folder is not None and has_results(folder) and not overwrite:
-        raise IrsimGymError(
-            f"{folder} holds results: choose another folder with --out, or replace them with --overwrite"
-        )
+        raise IrsimGymError(f"{folder} holds results: choose another with --out, or replace them with --overwrite")
 
 
 def check_free(file: Path | None, overwrite: bool = False) -> None:

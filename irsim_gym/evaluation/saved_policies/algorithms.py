@@ -15,6 +15,8 @@ if TYPE_CHECKING:
     from stable_baselines3.common.base_class import BaseAlgorithm
 
 CONTINUOUS, DISCRETE = "continuous", "discrete"
+MASKED = ("ppo", "a2c", "gru_ppo")
+"""Algorithms that leave out robots that wait for their world."""
 SHIPPED_TASK = "discrete_navigation"
 """The shipped task with discrete actions."""
 

@@ -1,5 +1,6 @@
 """Plays the suite: every method on every benchmark, with one file of rows per policy."""
 
+import math
 import os
 import time
 from collections.abc import Sequence
@@ -140,7 +141,8 @@ def _play_latency(member: Member, methods: Sequence[ComparedMethod], record: Sui
     curves = robustness(member.scenario, fit, **chosen)
     for method, names in names_of_policies(fit).items():
         for entry, name in zip(record.done(member.name, method), names, strict=True):
-            entry["latency_at_loss"] = curves.lost_text("latency", name)
+            if not math.isnan(lost := curves.lost_at("latency", name)):
+                entry["latency_at_loss"] = {"value": lost, "played_to": curves.curve("latency", name)[-1].strength}
 
 
 def _play_policy(

@@ -1,9 +1,10 @@
 """Computes the figures of tables from rows."""
 
+import math
 from collections.abc import Mapping, Sequence
 from operator import attrgetter
 from pathlib import Path
-from statistics import fmean, median_high
+from statistics import fmean, median
 from typing import Any
 
 import numpy as np
@@ -53,8 +54,7 @@ def score_suite(record: SuiteRecord, folder: Path) -> None:
         record.members[member]["conditions"] |= levels.conditions()
         scores[member] = score_member(repetitions, levels.quarters)
         for method, figures in scores[member].items():
-            lost = [one["latency_at_loss"] for one in record.runs[member][method] if "latency_at_loss" in one]
-            figures["latency_at_loss"] = median_high(lost) if lost else None
+            figures["latency_at_loss"] = _median_latency(record.runs[member][method])
     record.figures = plain(scores)
     success = {
         member: {method: [_share(rows) for rows in repetitions] for method, repetitions in methods.items()}
@@ -181,6 +181,16 @@ def overall(success: Mapping[str, Mapping[str, Sequence[float]]], methods: Seque
     }
     means = {method: interquartile_mean(scores[method]) for method in methods}
     return {"benchmarks": common, "success": means, "improvement": better}
+
+
+def _median_latency(policies: Sequence[Mapping[str, Any]]) -> dict[str, float] | None:
+    """Return the median of the latencies that cost 5 points, infinite beyond the greatest one played; None if none is.
+
+    Args:
+        policies: Entries of the policies in the record, which hold None where all latencies cost less.
+    """
+    lost = [policy["latency_at_loss"] for policy in policies if "latency_at_loss" in policy]
+    return {**lost[0], "value": median(one["value"] or math.inf for one in lost)} if lost else None
 
 
 def _success(summaries: Sequence[TeamSummary]) -> Estimate:

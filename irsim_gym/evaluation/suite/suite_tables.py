@@ -15,8 +15,8 @@ DASH = "-"
 COLUMNS = Path(__file__).with_name("columns.json")
 """Columns of the table of a benchmark: ``head``, ``place`` of the figure (nested keys), ``digits`` (none for a share).
 
-Some hold ``text`` or the ``interval`` of an estimate, are for a ``team`` alone, or are left out if nothing is
-``occurring``."""
+Some hold the ``interval`` of an estimate or a strength that was ``played_to`` some greatest one, are for a ``team``
+alone, or are left out if nothing is ``occurring``."""
 
 Figures = Mapping[str, Any]
 """Figures of a method as ``scores`` computes them, as plain data with None in place of NaN."""
@@ -110,8 +110,8 @@ def _cells(column: Mapping[str, Any], scores: Sequence[Figures]) -> list[str]:
         values = [(value or {}).get(key) for value in values]
     if "occurring" in column and not any(values):
         return [DASH] * len(values)
-    if "text" in column:
-        return [value or DASH for value in values]
+    if "played_to" in column:
+        return [_up_to(value, column["digits"]) for value in values]
     if "interval" in column:
         return [_interval(value) for value in values]
     return [_number(value, column["digits"]) if "digits" in column else _percent(value) for value in values]
@@ -184,6 +184,13 @@ def _with_interval(estimate: Mapping[str, float | None]) -> str:
 
 def _percent(value: float | None) -> str:
     return DASH if value is None else f"{100.0 * value:.1f}"
+
+
+def _up_to(found: Mapping[str, float | None] | None, digits: int) -> str:
+    """Return a strength that was looked for: ``> 0.8`` if it is beyond the greatest one played."""
+    if found and found["value"] is None:
+        return f"> {found['played_to']:g}"
+    return _number(found["value"] if found else None, digits)
 
 
 def _number(value: float | None, digits: int) -> str:

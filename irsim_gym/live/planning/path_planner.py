@@ -1,16 +1,22 @@
 """Paths through a world that a script steps, and its map for planners."""
 
+from functools import partial
+
 import numpy as np
 from numpy.typing import ArrayLike
 
 from irsim_gym.base.arraytypes import Floats
 from irsim_gym.base.errors import NoEffectWarning, warn_caller
+from irsim_gym.live.planning.cell_search import cell_way
 from irsim_gym.live.planning.grid_map import COARSER, FINER, GridMap, coarser, n_cells
+from irsim_gym.live.planning.sampling import SAMPLERS, Sampling, sampled_way
 from irsim_gym.live.population.population import Population
 from irsim_gym.live.session.moves import robots
 from irsim_gym.live.session.session import Session
 from irsim_gym.live.session.vectors import row_of
-from irsim_gym.simulator.cell_paths.queries import FINE, fixed_bodies, free_path, touched_cells
+from irsim_gym.simulator.cell_paths.queries import FINE, fixed_bodies, free_path, obstacles_of, touched_cells
+from irsim_gym.simulator.paths.clearance import way_is_free
+from irsim_gym.simulator.paths.grid import Grid
 
 DEFAULT_CELL = 0.1
 
@@ -27,14 +33,27 @@ class PathPlanner:
         self._session, self._population = session, population
 
     def path(
-        self, start: ArrayLike, goal: ArrayLike, radius: float | None = None, *, resolution: float = FINE
+        self,
+        start: ArrayLike,
+        goal: ArrayLike,
+        radius: float | None = None,
+        *,
+        resolution: float = FINE,
+        method: str = "shortest",
+        iterations: int = 1000,
+        seed: int = 0,
     ) -> Floats | None:
-        """Return a shortest path for a disc around everything that never moves, shape ``(n, 2)`` [m].
+        """Return a path for a disc around everything that never moves, shape ``(n, 2)`` [m].
 
         The path consists of straight lines from start to goal on which the disc touches nothing, which is tested
-        exactly. It is found over cells and pulled tight, so it is about 0.1 % longer than the shortest path, and up to
-        3 % if paths on different sides of an obstacle are nearly equally long. Bodies that can move are ignored, also
-        robots that wait for actions.
+        exactly. Bodies that can move are ignored, also robots that wait for actions.
+
+        - ``shortest`` finds the path over cells and pulls it tight: it is about 0.1 % longer than the shortest path,
+          and up to 3 % if paths on different sides of an obstacle are nearly equally long.
+        - ``astar`` and ``jps`` return the same: a shortest path in straight and diagonal steps over cells.
+        - ``rrt``, ``rrt_star``, ``informed_rrt_star`` and ``prm`` draw points in the world, through OMPL
+          (``pip install "irsim_gym[ompl]"``). ``rrt`` ends at its first path, the others shorten it to the end. Where
+          gaps are narrow, they may need more iterations.
 
         Args:
             start: x and y [m]; further numbers are ignored, so a state will do; flat or a column.
@@ -42,20 +61,36 @@ class PathPlanner:
             radius: Radius of the disc [m] (default: that of the first robot, about its origin).
             resolution: Side of the cells [m]. A gap that is hardly wider than the disc may be missed; smaller cells
                 miss fewer. Cells are larger in a world with more than a million of them.
+            method: How to find the path.
+            iterations: Attempts to extend a tree; for ``prm``, the number of points of its road map.
+            seed: The same seed draws the same points.
 
         Returns:
             The points, None where there is no way: also where the disc cannot stand at the start or at the goal.
 
         Raises:
-            ValueError: A point is none, a number is not finite, the radius is negative, or the resolution not positive.
+            ValueError: A point is none, a number is not finite, the radius is negative, the resolution or the number
+                of iterations is not positive, or the method is unknown.
             UnknownNameError: There is no robot to take the radius from.
+            MissingExtraError: The method needs OMPL, which is not installed.
         """
         model, state = self._session.simulation.model, self._session.simulation.state
         size = self._own_radius() if radius is None else float(radius)
         if not 0.0 <= size < np.inf or not 0.0 < resolution < np.inf:
             raise ValueError(f"radius must be >= 0 and resolution > 0, got {radius!r} and {resolution!r}")
-        ends = point(start, "start"), point(goal, "goal")
-        points = free_path(model, state, 0, size, *ends, blocks=fixed_bodies(model, 0), cell=float(resolution))
+        ends, blocks = (point(start, "start"), point(goal, "goal")), fixed_bodies(model, 0)
+        if method == "shortest":
+            points = free_path(model, state, 0, size, *ends, blocks=blocks, cell=float(resolution))
+        elif method in ("astar", "jps"):
+            obstacles = obstacles_of(model, state, 0, blocks)
+            points = cell_way(obstacles, size, *ends, Grid.over(model.bounds, float(resolution)))
+        elif method in SAMPLERS:
+            is_free = partial(way_is_free, obstacles_of(model, state, 0, blocks), size)
+            corners = model.bounds.reshape(2, 2).tolist()
+            points = sampled_way(method, corners, *ends, is_free, Sampling(iterations, seed))
+        else:
+            known = ", ".join(("shortest", "astar", "jps", *SAMPLERS))
+            raise ValueError(f"unknown method {method!r}: one of {known} finds a path")
         return points if len(points) else None
 
     def _own_radius(self) -> float:

@@ -2,22 +2,16 @@
 
 from __future__ import annotations
 
-import heapq
-import math
-from collections.abc import Iterable, Set
+from collections.abc import Iterable
 from typing import TYPE_CHECKING, NoReturn, final
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from irsim_gym.base.arraytypes import Floats
+from irsim_gym.live.planning.cell_search import Node, search
 from irsim_gym.live.planning.grid_map import GridMap, n_cells
 from irsim_gym.live.planning.path_planner import point
-
-Node = tuple[int, int]
-"""Column and row of a point whose coordinates are multiples of the resolution."""
-STEPS = ((1, 0), (0, 1), (-1, 0), (0, -1), (-1, -1), (-1, 1), (1, -1), (1, 1))
-"""Steps to neighbours. Of ways of equal length, their order decides which one is found."""
 
 
 class _Nodes:
@@ -49,35 +43,8 @@ class _Nodes:
         return self._place(list(nodes)).T
 
 
-def _search(start: Node, goal: Node, free: Set[Node]) -> list[Node]:
-    """Return the nodes from the goal back to the start that A* finds; none without a way, or if both are the same.
-
-    Of nodes that are equally promising, the one that was reached first goes first.
-    """
-    length, order, parent = {start: 0.0}, {start: 0}, dict[Node, Node]()
-    closed: set[Node] = set()
-    queue = [(0.0, 0, start)]
-    while queue:
-        _, _, node = heapq.heappop(queue)
-        if node in closed:
-            continue
-        if node == goal:
-            break
-        closed.add(node)
-        for dx, dy in STEPS:
-            other, total = (node[0] + dx, node[1] + dy), length[node] + math.hypot(dx, dy)
-            if other not in free or other in closed or total >= length.get(other, math.inf):
-                continue
-            length[other], parent[other] = total, node
-            rest = math.hypot(goal[0] - other[0], goal[1] - other[1])
-            heapq.heappush(queue, (total + rest, order.setdefault(other, len(order)), other))
-    way = [goal] if goal in parent else []
-    while way and way[-1] in parent:
-        way.append(parent[way[-1]])
-    return way
-
-
-def _missing(planner: object, name: str) -> NoReturn:
+def missing_name(planner: object, name: str) -> NoReturn:
+    """Raise the error that says what planners have."""
     message = f"a planner has no '{name}': planning(start, goal) is all it does, env_map is the map"
     raise AttributeError(message, name=name, obj=planner)
 
@@ -96,7 +63,7 @@ class AStarPlanner:
         self.env_map = env_map
 
     if not TYPE_CHECKING:
-        __getattr__ = _missing
+        __getattr__ = missing_name
 
     def planning(self, start_pose: ArrayLike, goal_pose: ArrayLike, show_animation: bool = True) -> Floats:
         """Return the way from the goal back to the start, shape ``(2, n)`` [m].
@@ -116,7 +83,7 @@ class AStarPlanner:
         nodes = _Nodes(self.env_map)
         start, goal = nodes.at(start_pose, "start_pose"), nodes.at(goal_pose, "goal_pose")
 
-        return nodes.places(_search(start, goal, nodes.free) or [goal])
+        return nodes.places(search(start, goal, nodes.free) or [goal])
 
 
 @final
@@ -133,7 +100,7 @@ class JPSPlanner:
         self.env_map = env_map
 
     if not TYPE_CHECKING:
-        __getattr__ = _missing
+        __getattr__ = missing_name
 
     def planning(self, start_pose: ArrayLike, goal_pose: ArrayLike, show_animation: bool = True) -> Floats | None:
         """Return the way from the goal back to the start, shape ``(2, n)`` [m]; see ``AStarPlanner.planning``.
@@ -151,5 +118,5 @@ class JPSPlanner:
         """
         nodes = _Nodes(self.env_map)
         start, goal = nodes.at(start_pose, "start_pose"), nodes.at(goal_pose, "goal_pose")
-        way = _search(start, goal, nodes.inside) if {start, goal} <= nodes.inside else []
+        way = search(start, goal, nodes.inside) if {start, goal} <= nodes.inside else []
         return nodes.places(way) if way else None

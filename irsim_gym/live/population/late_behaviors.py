@@ -63,9 +63,7 @@ def _import(name: str, folders: list[Path]) -> None:
         folder = next(matches, None)
         if folder is None:
             where = ", ".join(dict.fromkeys(map(str, folders)))
-            raise ModuleNotFoundError(
-                f"no module named '{name}': Python does not find it, nor is it in {where}", name=name
-            )
+            raise ModuleNotFoundError(f"no module named '{name}': Python finds none, nor is it in {where}", name=name)
         sys.path.insert(0, str(folder))
     try:
         importlib.import_module(name)

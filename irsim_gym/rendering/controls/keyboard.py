@@ -46,9 +46,7 @@ class Keyboard:
 
     def __init__(self, options: Any, source: WindowKeys) -> None:
         if options.global_hook:
-            warnings.warn(
-                "global_hook: keys count only while the window has the focus", NoKeyboardWarning, stacklevel=4
-            )
+            warnings.warn("global_hook: keys count only while the window has focus", NoKeyboardWarning, stacklevel=4)
         self.key_lv_max, self.key_ang_max = float(options.key_lv_max), float(options.key_ang_max)
         self.key_id = int(options.key_id)
         self._initial = {"ahead": options.key_lv, "aside": options.key_ang, "turn": options.key_rot}

@@ -20,14 +20,11 @@ from irsim_gym.base.outside_files import writing
 
 # Constant quality without visible loss; with the index at the front, browsers can start before the download ends. For
 # flat colours, the preset "medium" takes twice the time for a file of the same size.
-MP4 = (
-    *("-vcodec", "libx264", "-pix_fmt", "yuv420p", "-crf", "18", "-preset", "veryfast"),
-    *("-movflags", "+faststart"),
-)
+MP4 = ["-vcodec", "libx264", "-pix_fmt", "yuv420p", "-crf", "18", "-preset", "veryfast", "-movflags", "+faststart"]
 # Browsers slow down gifs with frames shorter than 0.02 s. All frames share a palette, which makes small files; ffmpeg
 # holds them in memory until the last one, with 4 bytes a pixel. Flat colours need no dithering.
 PALETTE = "fps=min(source_fps\\,50),split[a][b];[a]palettegen[p];[b][p]paletteuse=dither=none"
-ENCODINGS = {".mp4": MP4, ".gif": ("-filter_complex", PALETTE, "-loop", "0")}
+ENCODINGS = {".mp4": MP4, ".gif": ["-filter_complex", PALETTE, "-loop", "0"]}
 
 
 class VideoWriter:

@@ -176,12 +176,10 @@ def body_style(body: BodySpec, *, learner: bool = False) -> BodyStyle:
     label, arrow = _short_name(body.name, robot), _arrow(plot)
     band = plot.traj_width is not None
     colour, alpha = faded(body_colour, plot.obj_alpha)
-    goal_colour, goal_alpha = faded(_or_default(plot.goal_color, body_colour), plot.goal_alpha)
-    arrow_colour, arrow_alpha = faded(
-        _or_default(plot.arrow_color, ARROW if arrow else theme.HEADING), plot.arrow_alpha
-    )
+    goal_colour, goal_alpha = faded(_or_else(plot.goal_color, body_colour), plot.goal_alpha)
+    arrow_colour, arrow_alpha = faded(_or_else(plot.arrow_color, ARROW if arrow else theme.HEADING), plot.arrow_alpha)
     path_colour, path_alpha = faded(
-        _or_default(plot.traj_color, body_colour), _or_default(plot.traj_alpha, 0.5 if band else 0.85)
+        _or_else(plot.traj_color, body_colour), _or_else(plot.traj_alpha, 0.5 if band else 0.85)
     )
     field_colour, field_alpha = faded(plot.fov_color, plot.fov_alpha)
     label_colour, label_alpha = faded(plot.text_color, plot.text_alpha)
@@ -189,26 +187,26 @@ def body_style(body: BodySpec, *, learner: bool = False) -> BodyStyle:
         colour=colour,
         alpha=alpha,
         image_alpha=plot.obj_alpha,
-        line_width=_or_default(plot.obj_linewidth, 1.0),
-        wall_width=_or_default(plot.obj_linewidth, 2.2),
+        line_width=_or_else(plot.obj_linewidth, 1.0),
+        wall_width=_or_else(plot.obj_linewidth, 2.2),
         line_style=_line_style(plot.obj_linestyle),
-        order=float(_or_default(plot.obj_zorder, 3 if robot else 1)),
-        show_goal=_or_default(plot.show_goal, learner),
+        order=float(_or_else(plot.obj_zorder, 3 if robot else 1)),
+        show_goal=_or_else(plot.show_goal, learner),
         goal_colour=goal_colour,
         goal_alpha=goal_alpha,
-        goal_order=_or_default(plot.goal_zorder, GROUND),
-        show_arrow=_or_default(plot.show_arrow, not body.static and not is_omni(body) and body.description is None),
+        goal_order=_or_else(plot.goal_zorder, GROUND),
+        show_arrow=_or_else(plot.show_arrow, not body.static and not is_omni(body) and body.description is None),
         arrow=arrow,
         arrow_colour=arrow_colour,
         arrow_alpha=arrow_alpha if arrow else arrow_alpha * alpha,
         arrow_order=plot.arrow_zorder,
-        show_trajectory=_or_default(plot.show_trajectory, learner),
+        show_trajectory=_or_else(plot.show_trajectory, learner),
         trajectory_colour=path_colour,
         trajectory_style=_line_style(plot.traj_style),
         trajectory_width=plot.traj_width,
         trajectory_alpha=path_alpha,
         trajectory_length=plot.keep_traj_length,
-        trajectory_order=_or_default(plot.traj_zorder, GROUND),
+        trajectory_order=_or_else(plot.traj_zorder, GROUND),
         ghost=_ghost(plot, body_colour) if plot.show_trail else None,
         ghost_shape=plot.trail_type,
         ghost_every=plot.trail_freq,
@@ -218,14 +216,14 @@ def body_style(body: BodySpec, *, learner: bool = False) -> BodyStyle:
         field_colour=field_colour,
         field_edge_colour=plot.fov_edge_color,
         field_alpha=field_alpha,
-        field_order=_or_default(plot.fov_zorder, GROUND),
+        field_order=_or_else(plot.fov_zorder, GROUND),
         label=label if plot.show_text else "",
         goal_label=label if plot.show_goal_text else "",
         label_colour=label_colour,
         label_size=plot.text_size,
         label_alpha=label_alpha,
         label_offset=plot.text_position,
-        label_order=_or_default(plot.text_zorder, TOP),
+        label_order=_or_else(plot.text_zorder, TOP),
     )
 
 
@@ -245,8 +243,8 @@ def field_of_view(body: BodySpec) -> tuple[float, float] | None:
 def scan_style(sensor: object) -> ScanStyle:
     """Return the style of a sensor's scan from the sensor's options; those in ``plot`` take precedence."""
     plot: Any = getattr(sensor, "plot", None)
-    beam_colour = _or_default(getattr(plot, "color", None), getattr(sensor, "color", theme.BEAM))
-    alpha = _or_default(getattr(plot, "alpha", None), getattr(sensor, "alpha", 0.3))
+    beam_colour = _or_else(getattr(plot, "color", None), getattr(sensor, "color", theme.BEAM))
+    alpha = _or_else(getattr(plot, "alpha", None), getattr(sensor, "alpha", 0.3))
     if not hasattr(plot, "velocity_color"):
         return ScanStyle(*faded(beam_colour, alpha))
     velocity = VelocityStyle(
@@ -263,10 +261,10 @@ def scan_style(sensor: object) -> ScanStyle:
         mark_edge_colour=plot.velocity_marker_edge_color,
         mark_edge_width=plot.velocity_marker_edge_width,
     )
-    return ScanStyle(*faded(beam_colour, _or_default(alpha, 1.0 if plot.velocity_color else 0.3)), velocity)
+    return ScanStyle(*faded(beam_colour, _or_else(alpha, 1.0 if plot.velocity_color else 0.3)), velocity)
 
 
-def _or_default(value: T | None, otherwise: T) -> T:
+def _or_else(value: T | None, otherwise: T) -> T:
     """Return a given option, or else its default."""
     return otherwise if value is None else value
 
@@ -275,13 +273,13 @@ def _arrow(plot: ObjectPlot) -> tuple[float, float] | None:
     """Return length and width of an arrow [m]; None if neither is given."""
     if plot.arrow_length is None and plot.arrow_width is None:
         return None
-    return _or_default(plot.arrow_length, 0.4), _or_default(plot.arrow_width, 0.6)
+    return _or_else(plot.arrow_length, 0.4), _or_else(plot.arrow_width, 0.6)
 
 
 def _ghost(plot: ObjectPlot, colour: str) -> BodyStyle:
     """Return the style of the outlines in a body's trail."""
-    edge, edge_alpha = faded(_or_default(plot.trail_edgecolor, colour), plot.trail_alpha)
-    fill, fill_alpha = faded(_or_default(plot.trail_color, colour), plot.trail_alpha)
+    edge, edge_alpha = faded(_or_else(plot.trail_edgecolor, colour), plot.trail_alpha)
+    fill, fill_alpha = faded(_or_else(plot.trail_color, colour), plot.trail_alpha)
     return BodyStyle(
         colour=fill,
         edge_colour=CLEAR if edge_alpha == 0.0 else edge,
@@ -289,7 +287,7 @@ def _ghost(plot: ObjectPlot, colour: str) -> BodyStyle:
         alpha=fill_alpha if plot.trail_fill else edge_alpha,
         line_width=plot.trail_linewidth,
         wall_width=plot.trail_linewidth,
-        order=_or_default(plot.trail_zorder, GROUND),
+        order=_or_else(plot.trail_zorder, GROUND),
     )
 
 

@@ -31,9 +31,7 @@ from irsim_gym.scenario.specs.world_spec import WorldSpec
 from irsim_gym.scenario.text.messages import choices, literal_values, show
 from irsim_gym.scenario.text.source import ROLES, SECTIONS, WRAPPER, Place, Source, read_file, read_mapping
 
-LENIENT = (
-    "With strict=False, or --lenient on the command line, unknown keys, unknown modes and repeated keys are warnings."
-)
+LENIENT = "With strict=False, or --lenient in the shell, unknown keys, unknown modes and repeated keys are warnings."
 STAND_INS = {
     "collision_mode": ("unobstructed", "bodies do not stop at a collision"),
     "control_mode": ("auto", "behaviours and actions drive"),
@@ -123,9 +121,7 @@ def read_scenario(
     if world is not None and occupied is not None:
         bodies, placements = with_map(world, bodies, placements, source.line(map_place))
     if report.problems:
-        raise ScenarioError(
-            source.title, list(report.problems), LENIENT if report.strict and report.could_be_lenient else ""
-        )
+        raise ScenarioError(source.title, list(report.problems), LENIENT if report.could_be_lenient else "")
     assert world is not None
     assert gui is not None
     return Scenario(

@@ -137,7 +137,7 @@ def _view_notes(scenario: Scenario) -> Iterator[Problem]:
             for width in value if isinstance(value, list) else [value]:
                 if width is not None and width > LARGEST_ANGLE:
                     yield scenario.source.problem(
-                        (*entry.place, "fov"), f"fov of {width:g} is more than a turn: {DEGREES}"
+                        (*entry.place, "fov"), f"fov {width:g} is more than a turn: {DEGREES}"
                     )
 
 
@@ -148,8 +148,8 @@ def _body_notes(body: BodySpec, scenario: Scenario) -> Iterator[str]:
 
 
 def _stride_notes(body: BodySpec, scenario: Scenario) -> Iterator[str]:
-    """Yield a remark if a step at full speed may lead over a goal; bodies that never move have no steps."""
-    if body.static:
+    """Yield a remark if a step at full speed may lead over a goal; bodies without a drive have no speed to set."""
+    if body.kinematics is None or body.static:
         return
     drive = KINEMATICS.name_of(type(body.kinematics))
     speed = body.vel_max[0] if drive in ("diff", "acker") else max(body.vel_max[:2])

@@ -55,9 +55,7 @@ class ParameterSpec:
     )
     min: float | None = option(None, meaning="Minimum value, for numbers.")
     max: float | None = option(None, meaning="Maximum value, for numbers.")
-    choices: tuple[bool | int | float | str, ...] | None = option(
-        None, min_length=1, meaning="The allowed values; replaces min and max."
-    )
+    choices: tuple[bool | int | float | str, ...] | None = option(None, min_length=1, meaning="Allowed values.")
     unit: str = option("", meaning="SI unit, for the reader.")
     meaning: str = option(min_length=1, meaning="What the parameter does, in one sentence; shown in messages.")
 

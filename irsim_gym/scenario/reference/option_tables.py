@@ -7,14 +7,12 @@ from dataclasses import dataclass
 from typing import Any, get_args
 
 from irsim_gym.base import families
-from irsim_gym.base.errors import IrsimGymError
 from irsim_gym.base.options import option_fields
 from irsim_gym.base.registry import Registry
 from irsim_gym.scenario.checking.whereabouts import SPECS
 from irsim_gym.scenario.reading.parameters import ParameterSpec
 from irsim_gym.scenario.text.messages import describe, show
 
-MARKER = "<!-- Below: made by irsim-gym options, from the declarations. Do not edit. -->"
 SUMMARIES = {
     "robot, obstacle": "The keys of an entry.",
     "parameters": "The keys of a parameter.",
@@ -149,15 +147,3 @@ def _table(title: str, cls: type[Any]) -> str:
 def _cells(row: OptionRow) -> str:
     cells = (f"`{row.key}`", row.default, row.unit, row.allowed, row.meaning, row.consequence)
     return "| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |"
-
-
-def rewritten(page: str) -> str:
-    """Return a page with new tables after the marker; the text before it is kept.
-
-    Raises:
-        IrsimGymError: If the page has no marker.
-    """
-    head, marker, _ = page.partition(MARKER)
-    if not marker:
-        raise IrsimGymError(f"the page has no line '{MARKER}', below which the tables belong")
-    return f"{head}{MARKER}\n\n{markdown()}"

@@ -11,9 +11,7 @@ class KeyboardSpec:
 
     backend: Literal["pynput", "mpl"] = option("pynput", meaning="No effect: key presses are those of the window.")
     global_hook: bool = option(False, meaning="No effect, with a warning: keys need the focus of the window.")
-    key_lv_max: float = option(
-        3.0, ge=0.0, unit="m/s", meaning="Speed while a key is held.", consequence="No effect above vel_max."
-    )
+    key_lv_max: float = option(3.0, ge=0.0, unit="m/s", meaning="Speed while a key is held, up to vel_max.")
     key_ang_max: float = option(1.0, ge=0.0, unit="rad/s", meaning="Turn rate while a key is held.")
     key_lv: float = option(0.0, unit="m/s", meaning="Speed at the start.")
     key_ang: float = option(0.0, unit="rad/s", meaning="Turn rate at the start.")

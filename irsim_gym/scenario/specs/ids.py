@@ -64,9 +64,7 @@ class Ids:
         if env_id is None:
             return name
         if env_id == ANY:
-            raise MissingScenarioError(
-                f"'{name}' is a placeholder for any scenario: name the scenario itself, {SOURCES}"
-            )
+            raise MissingScenarioError(f"'{name}' is a placeholder for any scenario: name the scenario, {SOURCES}")
         kwargs = dict(self._spec(env_id).kwargs)
         scenario = kwargs.pop("scenario", None)
         if scenario is None:

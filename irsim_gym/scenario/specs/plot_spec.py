@@ -24,21 +24,14 @@ class SavedFigure:
 
     dpi: int = option(100, ge=1, le=2400, unit="1/inch", meaning="Resolution of saved figures.")
     bbox_inches: Literal["tight", "standard"] | None = option(
-        "tight",
-        meaning="Crop a saved figure to its content (tight), or keep all of it (standard, or null as in matplotlib).",
+        "tight", meaning="Crop a saved figure to its content (tight), or keep all (standard, null)."
     )
     format: Literal["png", "pdf", "svg", "jpg", "jpeg", "eps", "ps", "tif", "tiff", "webp"] = option(
         "png", meaning="File format of saved figures without a suffix."
     )
-    pad_inches: float = option(
-        0.1, ge=0.0, le=10.0, unit="inch", meaning="Margin around the content if bbox_inches is tight."
-    )
+    pad_inches: float = option(0.1, ge=0.0, le=10.0, unit="inch", meaning="Margin where bbox_inches is tight.")
     facecolor: str | None = option(None, min_length=1, meaning="Colour around the world; default: light grey.")
-    transparent: bool = option(
-        False,
-        meaning="Make the background transparent, if the format supports it.",
-        consequence="facecolor has no effect.",
-    )
+    transparent: bool = option(False, meaning="A transparent background, if possible.", consequence="No facecolor.")
 
     def problems(self) -> Iterator[tuple[str, str]]:
         """Yield key and message of an unknown colour."""
@@ -62,9 +55,7 @@ class WorldPlot:
     title: str | None = option(None, meaning="Text of the title; default: the world's name, time and status.")
     no_axis: bool = option(False, meaning="Hide the axes.")
     tight: bool = option(True, meaning="Keep only as much margin around the world as ticks and title need.")
-    viewpoint: str | tuple[float, float] | None = option(
-        None, unit="m", meaning="Name of a body, or a point, to keep in the middle of the picture."
-    )
+    viewpoint: str | tuple[float, float] | None = option(None, unit="m", meaning="Body or point in the middle.")
 
 
 @kind
@@ -72,21 +63,15 @@ class ObjectPlot:
     """Drawing options of a body. Colours that are not given are the body's own."""
 
     obj_linestyle: LineStyle = option("-", meaning="Line style of the outline.")
-    obj_zorder: int | None = option(
-        None, meaning="Layer of the body; higher numbers lie on top. Default: 3 for robots, 1 for obstacles."
-    )
+    obj_zorder: int | None = option(None, meaning="Layer; higher ones lie on top; default: robots 3, obstacles 1.")
     obj_color: str | None = option(None, meaning="Colour of the body.")
     obj_alpha: float = option(1.0, ge=0.0, le=1.0, meaning="Opacity of the body.")
-    obj_linewidth: float | None = option(
-        None, ge=0.0, unit="point", meaning="Width of the outline; default: 1, or 2.2 for a linestring."
-    )
+    obj_linewidth: float | None = option(None, ge=0.0, unit="point", meaning="Outline; default: 1, linestring 2.2.")
 
     show_goal: bool | None = option(None, meaning="Draw the goal; default: only for learners.")
     goal_color: str | None = option(None, meaning="Colour of the goal.")
     goal_alpha: float = option(1.0, ge=0.0, le=1.0, meaning="Opacity of the goal.")
-    goal_zorder: int | None = option(
-        None, meaning="Layer of the goal; default: above fixed bodies and below moving ones."
-    )
+    goal_zorder: int | None = option(None, meaning="Layer of the goal; default: between fixed and moving bodies.")
 
     show_text: bool = option(False, meaning="Write the body's short name beside it.")
     show_goal_text: bool = option(False, meaning="Write the body's short name beside its goal.")
@@ -94,42 +79,27 @@ class ObjectPlot:
     text_size: float = option(10.0, gt=0.0, unit="point", meaning="Size of the text.")
     text_alpha: float = option(1.0, ge=0.0, le=1.0, meaning="Opacity of the text.")
     text_zorder: int | None = option(None, meaning="Layer of the text; default: above everything.")
-    text_position: tuple[float, float] | None = option(
-        None, unit="m", meaning="Position of the text relative to the body; default: above the body."
-    )
+    text_position: tuple[float, float] | None = option(None, unit="m", meaning="Place from the body; default: above.")
 
     show_arrow: bool | None = option(
         None,
         meaning="Mark the heading, by default for bodies that move and turn: inside the footprint, or as an arrow "
         "if arrow_length or arrow_width is given.",
     )
-    arrow_color: str | None = option(
-        None, meaning="Colour of the arrow; default: white inside the footprint, gold if a size is given."
-    )
-    arrow_length: float | None = option(
-        None, ge=0.0, unit="m", meaning="Length of the arrow; default: 0.4 if arrow_width is given."
-    )
-    arrow_width: float | None = option(
-        None, ge=0.0, unit="m", meaning="Width of the arrow; default: 0.6 if arrow_length is given."
-    )
+    arrow_color: str | None = option(None, meaning="Colour of the arrow; default: white inside, gold with a size.")
+    arrow_length: float | None = option(None, ge=0.0, unit="m", meaning="Length of an arrow; default: 0.4 with width.")
+    arrow_width: float | None = option(None, ge=0.0, unit="m", meaning="Width of the arrow; default: 0.6 with length.")
     arrow_alpha: float = option(1.0, ge=0.0, le=1.0, meaning="Opacity of the arrow.")
     arrow_zorder: int | None = option(None, meaning="Layer of the arrow; default: that of the body.")
 
     show_trajectory: bool | None = option(None, meaning="Draw the path driven so far; default: only for learners.")
     traj_color: str | None = option(None, meaning="Colour of the path.")
     traj_style: LineStyle = option("-", meaning="Line style of the path.")
-    traj_width: float | None = option(
-        None, gt=0.0, unit="m", meaning="Width of the path; default: a thin line that fades towards its start."
-    )
+    traj_width: float | None = option(None, gt=0.0, unit="m", meaning="Width of the path; default: thin, fading.")
     traj_alpha: float | None = option(
-        None,
-        ge=0.0,
-        le=1.0,
-        meaning="Opacity of the path, for a thin one at its end; default: 0.85, or 0.5 with traj_width.",
+        None, ge=0.0, le=1.0, meaning="Opacity of the path at its end; default: 0.85, or 0.5 with traj_width."
     )
-    traj_zorder: int | None = option(
-        None, meaning="Layer of the path; default: above fixed bodies and below moving ones."
-    )
+    traj_zorder: int | None = option(None, meaning="Layer of the path; default: between fixed and moving bodies.")
     keep_traj_length: int = option(0, ge=0, unit="step", meaning="Number of steps to keep in the path; 0 keeps all.")
 
     show_trail: bool = option(False, meaning="Draw outlines of the body along its path.")
@@ -142,9 +112,7 @@ class ObjectPlot:
     trail_alpha: float = option(0.7, ge=0.0, le=1.0, meaning="Opacity of the trail.")
     trail_fill: bool = option(False, meaning="Fill the trail's outlines.")
     trail_color: str | None = option(None, meaning="Fill colour of the trail.")
-    trail_zorder: int | None = option(
-        None, meaning="Layer of the trail; default: above fixed bodies and below moving ones."
-    )
+    trail_zorder: int | None = option(None, meaning="Layer of the trail; default: between fixed and moving bodies.")
     keep_trail_length: int = option(0, ge=0, meaning="Number of outlines to keep in the trail; 0 keeps all.")
 
     show_sensor: bool = option(True, meaning="Draw the sensors.")

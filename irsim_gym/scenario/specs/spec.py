@@ -28,23 +28,17 @@ MAX_BODIES = 100_000
 class BodyOptions:
     """The keys of an entry of ``robot`` or ``obstacle``."""
 
-    preset: str | None = option(
-        None, meaning="A shipped robot: drive, footprint, limits and sensors are its own where the entry has no key."
-    )
+    preset: str | None = option(None, meaning="A shipped robot, whose values hold where the entry has no key.")
     number: int = option(
         1,
         ge=0,
         le=MAX_BODIES,
         meaning="Number of bodies in the entry.",
-        consequence="If they do not fit at random, an error names the body.",
+        consequence="Too many: an error names the body.",
     )
-    number_range: tuple[int, int] | None = option(
-        None, meaning="Minimum and maximum number of bodies, drawn anew in each level; replaces number."
-    )
+    number_range: tuple[int, int] | None = option(None, meaning="Bounds of a number drawn by level; replaces number.")
     distribution: Any = option(None, meaning="How starts and goals are chosen; default: as given (manual).")
-    name: str | None = option(
-        None, min_length=1, max_length=200, meaning="Unique name; default: role and number, such as robot_0."
-    )
+    name: str | None = option(None, min_length=1, max_length=200, meaning="Unique name; default: such as robot_0.")
     kinematics: Any = option(None, meaning="The drive; a body without one, or with {name: static}, never moves.")
     shape: Any = option(None, meaning="The footprint; default: a circle of radius 0.2 m.")
     state: tuple[Coordinate, ...] = option(
@@ -66,24 +60,16 @@ class BodyOptions:
         meaning="Mass; default: 1 with a drive, else infinite. A body with a finite mass and no drive coasts, and what "
         "touches it pushes it (collision_mode: contact).",
     )
-    friction: float | None = option(
-        None, ge=0.0, meaning="Coefficient of friction with the ground, and with what it touches; default: the world's."
-    )
-    inertia: Mass | None = option(
-        None, unit="kg m2", meaning="Moment of inertia about the centre of mass; default: that of an even footprint."
-    )
-    restitution: float | None = option(
-        None, ge=0.0, le=1.0, meaning="Speed that a bounce keeps, 0 to 1; default: the world's."
-    )
+    friction: float | None = option(None, ge=0.0, meaning="Friction with all that it touches; default: the world's.")
+    inertia: Mass | None = option(None, unit="kg m2", meaning="Moment of inertia; default: that of an even footprint.")
+    restitution: float | None = option(None, ge=0.0, le=1.0, meaning="Speed that a bounce keeps; default: the world's.")
     goal: tuple[tuple[Coordinate, ...], ...] = option(
         (),
         unit="m, m, rad",
         meaning="[x, y] or [x, y, heading]; for one body also a list of them, in order; for several bodies, see above.",
         consequence="Without a goal, behaviours stand still and the body never arrives.",
     )
-    behavior: Any = option(
-        None, meaning="How the body decides; without one, it stands still unless an agent drives it."
-    )
+    behavior: Any = option(None, meaning="How the body decides; without one, it stands unless an agent drives it.")
     group_behavior: Any = option(None, meaning="How the bodies of a group decide together.")
     role: Literal["robot", "obstacle"] | None = option(None, meaning="The name of the section; may be left out.")
     color: str | None = option(
@@ -97,7 +83,7 @@ class BodyOptions:
         None,
         unit="m/s or rad/s",
         meaning="Minimum velocities; default: -1 each.",
-        consequence="If above 0, the body cannot stand still.",
+        consequence="Above 0: it cannot stand.",
     )
     vel_max: tuple[float, ...] | None = option(
         None,
@@ -111,9 +97,7 @@ class BodyOptions:
         meaning="Maximum change of each velocity per second; default: no limit (.inf).",
         consequence="If small, the body cannot brake in time and overshoots its goal.",
     )
-    angle_range: tuple[float, float] = option(
-        (-np.pi, np.pi), unit="rad", meaning="Interval that headings wrap into; 2 pi wide."
-    )
+    angle_range: tuple[float, float] = option((-np.pi, np.pi), unit="rad", meaning="Interval of headings, 2 pi wide.")
     goal_threshold: float = option(
         0.1,
         ge=0.0,
@@ -166,12 +150,8 @@ class BodyOptions:
     plot: ObjectPlot = option(defaults(ObjectPlot), meaning="Drawing options of the body.")
     state_dim: int | None = option(None, ge=1, meaning="Number of state variables; must match the drive.")
     vel_dim: int | None = option(None, ge=1, meaning="Number of velocities; must match the drive.")
-    fov: float | None = option(
-        None, gt=0.0, unit="rad", meaning="Width of the field of view, at most 2 pi; default: that of the lidar."
-    )
-    fov_radius: float | None = option(
-        None, gt=0.0, unit="m", meaning="Depth of the field of view; default: that of the lidar."
-    )
+    fov: float | None = option(None, gt=0.0, unit="rad", meaning="Width of the field of view; default: the lidar's.")
+    fov_radius: float | None = option(None, gt=0.0, unit="m", meaning="Depth of the view; default: the lidar's.")
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -4,6 +4,7 @@ import math
 from collections.abc import Callable, Iterator
 from typing import Any, ClassVar
 
+from irsim_gym.base.arraytypes import Pose
 from irsim_gym.base.options import crossed_bounds, defaults, kind, option
 
 
@@ -18,12 +19,8 @@ class WanderGoals:
         meaning="Goals lie on a circle of this radius around the middle of range_low and range_high; default: "
         "anywhere between them.",
     )
-    jitter: float = option(
-        0.0, ge=0.0, unit="m", meaning="Each goal on the circle is shifted: drawn evenly from a disc of this radius."
-    )
-    keep_first: bool = option(
-        False, meaning="The first goal is that of the entry or its distribution; by default it is drawn like the rest."
-    )
+    jitter: float = option(0.0, ge=0.0, unit="m", meaning="Goals on the circle are drawn from a disc of this radius.")
+    keep_first: bool = option(False, meaning="The first goal is that of the entry; by default it is drawn as the rest.")
     interval: float | None = option(
         None,
         gt=0.0,
@@ -53,20 +50,11 @@ class RenewsGoals:
     further_problems: ClassVar[Callable[[Any], Iterator[tuple[str, str]]] | None] = None
     """Yields key and message of what else is wrong with the options of a behaviour."""
 
-    wander: bool = option(
-        False,
-        meaning="Draw a new random goal after each arrival; in a group, of members without a behavior of their own.",
-    )
+    wander: bool = option(False, meaning="Draw a new goal after each arrival; in groups, of members without behavior.")
     loop: bool = option(False, meaning="Begin again with the first goal after the last, likewise.")
-    range_low: tuple[float, float, float] = option(
-        _LOW, unit="m, m, rad", meaning="Lower bounds of a wandering body's goals."
-    )
-    range_high: tuple[float, float, float] = option(
-        _HIGH, unit="m, m, rad", meaning="Upper bounds of a wandering body's goals."
-    )
-    wander_goals: WanderGoals = option(
-        defaults(WanderGoals), meaning="With wander: goals on a circle, a first goal that is kept, changes on the way."
-    )
+    range_low: Pose = option(_LOW, unit="m, m, rad", meaning="Lower bounds of a wandering body's goals.")
+    range_high: Pose = option(_HIGH, unit="m, m, rad", meaning="Upper bounds of a wandering body's goals.")
+    wander_goals: WanderGoals = option(defaults(WanderGoals), meaning="With wander: goals on circles, their changes.")
 
     def problems(self) -> Iterator[tuple[str, str]]:
         """Yield key and message of invalid or conflicting options."""

@@ -36,8 +36,8 @@ class WorldSpec:
         0.1,
         gt=0.0,
         unit="s",
-        meaning="Time between frames, rounded to whole steps.",
-        consequence="If shorter than step_time, every step is a frame.",
+        meaning="Time between frames, in whole steps.",
+        consequence="Short: each step is a frame.",
     )
     offset: tuple[Coordinate, Coordinate] = option(
         (0.0, 0.0), unit="m", meaning="Lower left corner of the world.", consequence="It does not shift given poses."
@@ -52,12 +52,8 @@ class WorldSpec:
     )
     gravity: float = option(9.81, gt=0.0, unit="m/s2", meaning="Gravity, which presses bodies to the ground.")
     friction: float = option(0.5, ge=0.0, meaning="Coefficient of friction of bodies without their own.")
-    restitution: float = option(
-        0.0, ge=0.0, le=1.0, meaning="Restitution of bodies without their own; 1 loses no speed."
-    )
-    drive_tau: float = option(
-        0.0, ge=0.0, unit="s", meaning="With contact, time constant of the lag of drives without tau; 0: no lag."
-    )
+    restitution: float = option(0.0, ge=0.0, le=1.0, meaning="Restitution of bodies without their own; 1 keeps speed.")
+    drive_tau: float = option(0.0, ge=0.0, unit="s", meaning="With contact, lag of drives without tau; 0: none.")
     collision_check: Literal["step_end", "swept"] = option(
         "step_end",
         meaning="Where contacts are looked for: where each step ends, or all along its way (swept).",
@@ -66,24 +62,16 @@ class WorldSpec:
     status: Literal["None", "Running", "Arrived", "Collision", "Pause"] = option(
         "None", meaning="Status text at the start; with Pause, irsim_gym.load begins paused. No effect on learners."
     )
-    obstacle_map: Any = option(
-        None, meaning="Occupied cells over the world: an image, a map.yaml of ROS, or a mapping with a kind's name."
-    )
-    mdownsample: int = option(
-        1, ge=1, meaning="Keep every n-th column and row of the map.", consequence="Thinner walls may vanish."
-    )
+    obstacle_map: Any = option(None, meaning="Occupied cells: an image, a map.yaml of ROS, or a kind with its options.")
+    mdownsample: int = option(1, ge=1, meaning="Keep every n-th cell.", consequence="Thinner walls may vanish.")
     plot: WorldPlot = option(defaults(WorldPlot), meaning="Drawing options of the world.")
     step_mode: Literal["internal", "external"] = option(
-        "internal",
-        meaning="What moves the bodies: the step, or the caller with set_state (external; not for learners).",
+        "internal", meaning="What moves the bodies: the step, or the caller (external; not for learners)."
     )
     fog_map: bool = option(False, meaning="Keep a map of what the robots have seen; it does not affect the simulation.")
-    fog_map_resolution: float | None = option(
-        None, gt=0.0, unit="m", meaning="Cell size of fog_map; default: that of obstacle_map, else 0.1 m."
-    )
+    fog_map_resolution: float | None = option(None, gt=0.0, unit="m", meaning="Cell size; default: the map's or 0.1 m.")
     update: Literal["sequential", "simultaneous"] = option(
-        "sequential",
-        meaning="Bodies see earlier ones after their move (sequential), or all before the step (simultaneous).",
+        "sequential", meaning="Bodies see earlier ones moved (sequential), or all before the step (simultaneous)."
     )
 
     @property

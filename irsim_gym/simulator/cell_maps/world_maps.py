@@ -14,7 +14,7 @@ occupied cells, for one world. A ``Model`` has them as ``map_squares``, ``map_bo
 ``model.cells`` combines them with the radius of the discs that stand for occupied cells.
 """
 
-from irsim_gym.base.arraytypes import BodyOutline, CellMap, CellMaps, Flags, Floats, Point
+from irsim_gym.base.arraytypes import BodyOutline, CellMap, CellMaps, Cells, Flags, Floats, Point
 from irsim_gym.base.kernels import kernel
 from irsim_gym.simulator.cell_maps.cell_room import find_room
 from irsim_gym.simulator.cell_maps.cells import (
@@ -63,9 +63,7 @@ def most_boxes(columns: int, rows: int) -> int:
 
 
 @kernel
-def capsule_meets_map(
-    cells: CellMaps | None, w: int, ax: float, ay: float, bx: float, by: float, radius: float
-) -> bool:
+def capsule_meets_map(cells: Cells, w: int, ax: float, ay: float, bx: float, by: float, radius: float) -> bool:
     """Return ``capsule_meets_cells`` for the map of world w; False without maps."""
     if cells is None:
         return False
@@ -73,7 +71,7 @@ def capsule_meets_map(
 
 
 @kernel
-def map_distance(cells: CellMaps | None, w: int, point: Point, limit: float) -> float:
+def map_distance(cells: Cells, w: int, point: Point, limit: float) -> float:
     """Return the distance [m] of a point from the occupied cells of world w, ``limit`` if it is not smaller."""
     if cells is None:
         return limit
@@ -81,7 +79,7 @@ def map_distance(cells: CellMaps | None, w: int, point: Point, limit: float) -> 
 
 
 @kernel
-def map_is_closer(cells: CellMaps | None, w: int, point: Point, limit: float) -> bool:
+def map_is_closer(cells: Cells, w: int, point: Point, limit: float) -> bool:
     """Return ``cells_are_closer`` for the map of world w; False without maps."""
     if cells is None:
         return False
@@ -89,7 +87,7 @@ def map_is_closer(cells: CellMaps | None, w: int, point: Point, limit: float) ->
 
 
 @kernel
-def outline_near_map(cells: CellMaps | None, w: int, outline: BodyOutline, clearance: float) -> bool:
+def outline_near_map(cells: Cells, w: int, outline: BodyOutline, clearance: float) -> bool:
     """Return ``outline_near_cells`` for the map of world w; False without maps."""
     if cells is None:
         return False
@@ -97,7 +95,7 @@ def outline_near_map(cells: CellMaps | None, w: int, outline: BodyOutline, clear
 
 
 @kernel
-def outline_map_distance(cells: CellMaps | None, w: int, outline: BodyOutline, limit: float) -> float:
+def outline_map_distance(cells: Cells, w: int, outline: BodyOutline, limit: float) -> float:
     """Return the distance [m] of an outline from the occupied cells of world w: 0 if they touch, at most ``limit``."""
     if cells is None:
         return limit

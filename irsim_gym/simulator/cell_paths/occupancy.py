@@ -2,12 +2,10 @@
 
 import numpy as np
 
-from irsim_gym.base.arraytypes import BodyOutline, CellMaps, Flags, Point
-from irsim_gym.base.kernels import kernel
 from irsim_gym.simulator.cell_maps.world_maps import map_of
 from irsim_gym.simulator.geometry.polygons import holds_point
 from irsim_gym.simulator.paths.clearance import Obstacles
-from irsim_gym.simulator.world.outline import outline_of
+from irsim_gym.simulator.world.names import BodyOutline, Cells, Flags, Point, kernel, outline_of
 
 EDGE = 1e-9
 """Tolerance with which a shape that ends on a cell's edge touches the next cell, despite rounding [cells]."""
@@ -48,9 +46,7 @@ def mark_touched(obstacles: Obstacles, x: float, y: float, width: float, height:
 
 
 @kernel
-def touch_cells(
-    cells: CellMaps | None, w: int, x: float, y: float, width: float, height: float, touched: Flags
-) -> None:
+def touch_cells(cells: Cells, w: int, x: float, y: float, width: float, height: float, touched: Flags) -> None:
     """Mark the cells that an occupied cell of the map of world w overlaps."""
     if cells is None:
         return

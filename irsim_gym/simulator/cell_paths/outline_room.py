@@ -4,14 +4,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from irsim_gym.base.arraytypes import BodyOutline, Pose
 from irsim_gym.simulator.cell_maps.world_maps import outline_map_distance
 from irsim_gym.simulator.geometry.overlap import outline_distance
 from irsim_gym.simulator.geometry.polygons import holds_point
 from irsim_gym.simulator.geometry.segments import point_segment_distance2
 from irsim_gym.simulator.paths.clearance import Obstacles
-from irsim_gym.simulator.world.names import Model, kernel, row_of
-from irsim_gym.simulator.world.outline import outline_of, own_outline
+from irsim_gym.simulator.world.names import BodyOutline, Model, Pose, kernel, outline_of, own_outline, row_of
 
 
 class PoseShape(NamedTuple):

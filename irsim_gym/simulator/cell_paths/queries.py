@@ -51,7 +51,7 @@ def free_path(
         blocks: Flags of bodies that are obstacles, shape ``(body,)``; by default ``standing_bodies``.
         cell: Cell size of the search [m].
     """
-    grid, obstacles = Grid.over(model.bounds, cell), _obstacles(model, state, world, blocks)
+    grid, obstacles = Grid.over(model.bounds, cell), obstacles_of(model, state, world, blocks)
     path = grid.path()
     count = shortest_path(obstacles, float(radius), _point(start), _point(goal), grid, grid.search(), path)
     return path[:count].copy()
@@ -85,7 +85,7 @@ def has_free_path(
     cell: float = COARSE,
 ) -> bool:
     """Return whether ``is_reachable`` finds a path; the arguments are those of ``free_path``."""
-    grid, obstacles = Grid.over(model.bounds, cell), _obstacles(model, state, world, blocks)
+    grid, obstacles = Grid.over(model.bounds, cell), obstacles_of(model, state, world, blocks)
     ends = _point(start), _point(goal)
     return bool(is_reachable(obstacles, float(radius), *ends, grid, grid.blocked(), grid.runs()))
 
@@ -99,7 +99,7 @@ def blocking_bodies(
     for b in (*np.flatnonzero(blocks).tolist(), None):
         alone = np.zeros_like(blocks)
         alone[[] if b is None else b] = True
-        obstacles = _obstacles(model, state, world, alone)
+        obstacles = obstacles_of(model, state, world, alone)
         if b is not None:
             obstacles = obstacles._replace(cells=None)
         if not way_is_free(obstacles, float(radius), _point(place), _point(place)):
@@ -122,7 +122,7 @@ def touched_cells(
     x_min, y_min, x_max, y_max = (float(value) for value in model.bounds)
     touched = np.zeros(n_cells, np.bool_)
     size = (x_max - x_min) / n_cells[0], (y_max - y_min) / n_cells[1]
-    mark_touched(_obstacles(model, state, world, blocks), x_min, y_min, *size, touched)
+    mark_touched(obstacles_of(model, state, world, blocks), x_min, y_min, *size, touched)
     return touched
 
 
@@ -130,6 +130,7 @@ def _point(values: Point) -> tuple[float, float]:
     return float(values[0]), float(values[1])
 
 
-def _obstacles(model: Model, state: State, world: int, blocks: Flags | None) -> Obstacles:
+def obstacles_of(model: Model, state: State, world: int, blocks: Flags | None) -> Obstacles:
+    """Return what is in the way; the arguments are those of ``free_path``."""
     chosen = standing_bodies(model, world) if blocks is None else np.ascontiguousarray(blocks, np.bool_)
     return Obstacles(model, state, int(world), chosen, model.cells, None)

@@ -7,10 +7,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from irsim_gym.base.arraytypes import Bytes, Flags, Floats, Ints, Labels, Point, Rays
-from irsim_gym.base.kernels import kernel
 from irsim_gym.simulator.paths.grid import Grid
-from irsim_gym.simulator.world.own_scan import OwnScan
+from irsim_gym.simulator.world.names import Bytes, Flags, Floats, Ints, Labels, OwnScan, Point, Rays, kernel
 
 UNKNOWN, PASSED, OCCUPIED = np.uint8(0), np.uint8(16), np.uint8(15)
 """States of a cell: unknown, passed by a beam (bit 4), partly occupied (any of bits 0 to 3, one for each quarter)."""

@@ -1,12 +1,10 @@
 """Contact with the cells of the obstacle map. Worlds without a map do not need these kernels."""
 
-from irsim_gym.base.arraytypes import CellMaps, Floats, Ints
 from irsim_gym.simulator.cell_maps.cell_room import room_about
 from irsim_gym.simulator.cell_maps.cells import outline_cells_distance, outline_meets_cells
 from irsim_gym.simulator.cell_maps.world_maps import map_of
 from irsim_gym.simulator.contact.pairs import note_contact
-from irsim_gym.simulator.world.names import Model, State, kernel, row_of
-from irsim_gym.simulator.world.outline import outline_of
+from irsim_gym.simulator.world.names import CellMaps, Floats, Ints, Model, State, kernel, outline_of, row_of
 
 
 @kernel

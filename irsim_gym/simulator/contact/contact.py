@@ -2,7 +2,6 @@
 
 import numpy as np
 
-from irsim_gym.base.arraytypes import Floats, Ints, Record
 from irsim_gym.simulator.contact import body_buckets
 from irsim_gym.simulator.contact.cell_contact import find_cell_contacts, measure_cell_clearance
 from irsim_gym.simulator.contact.crowd import find_near_contacts, measure_near_clearance
@@ -15,8 +14,7 @@ from irsim_gym.simulator.geometry.overlap import (
     outlines_overlap,
 )
 from irsim_gym.simulator.world.model import ROBOT, STOP, UNOBSTRUCTED_OBSTACLES, Model
-from irsim_gym.simulator.world.names import Shard, State, kernel, row_of
-from irsim_gym.simulator.world.outline import outline_of
+from irsim_gym.simulator.world.names import Floats, Ints, Record, Shard, State, kernel, outline_of, row_of
 
 NOBODY = -1
 

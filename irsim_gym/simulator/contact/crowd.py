@@ -1,11 +1,9 @@
 """Contacts and clearances in a crowd: each body is compared with those near it, found through the buckets."""
 
-from irsim_gym.base.arraytypes import Floats, Ints, Record
 from irsim_gym.simulator.contact.pairs import note_contact
 from irsim_gym.simulator.geometry.buckets import gather_nearby, square_of
 from irsim_gym.simulator.geometry.overlap import disc_outline_distance, outline_distance, outlines_overlap
-from irsim_gym.simulator.world.names import Model, State, kernel, row_of
-from irsim_gym.simulator.world.outline import outline_of
+from irsim_gym.simulator.world.names import Floats, Ints, Model, Record, State, kernel, outline_of, row_of
 
 ROUNDING = 1.0 + 1e-9
 

@@ -8,7 +8,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from irsim_gym.base.arraytypes import CellMaps, Flags, Floats, Ints
 from irsim_gym.base.errors import ScenarioError
 from irsim_gym.scenario.specs.spec import Scenario
 from irsim_gym.simulator.cell_maps.world_maps import capsule_meets_map, outline_map_distance
@@ -17,7 +16,7 @@ from irsim_gym.simulator.geometry.angles import wrap, wrap_from
 from irsim_gym.simulator.geometry.overlap import capsule_meets_outline, outline_distance
 from irsim_gym.simulator.geometry.segments import point_segment_distance2
 from irsim_gym.simulator.world.model import ROBOT, STOP, UNOBSTRUCTED_OBSTACLES, Model
-from irsim_gym.simulator.world.names import Shard, State, Struct, kernel, row_of
+from irsim_gym.simulator.world.names import Cells, Flags, Floats, Ints, Shard, State, Struct, kernel, row_of
 from irsim_gym.simulator.world.outline import outline_of, place_outline
 
 HALVINGS = 53
@@ -91,7 +90,7 @@ def note_starts(worlds: Ints, sweep: SweptMotion, model: Model, state: State) ->
 
 
 @kernel
-def sweep_worlds(worlds: Ints, sweep: SweptMotion, cells: CellMaps | None, model: Model, state: State) -> None:
+def sweep_worlds(worlds: Ints, sweep: SweptMotion, cells: Cells, model: Model, state: State) -> None:
     """Stop bodies at their first contacts, in the order of time; then note contacts that stop nobody who moves.
 
     Reads: sweep (change, end, free, goes, movers, since, start), model (collision_mode, disc_count, disc_start,
@@ -186,7 +185,7 @@ def stops_at(w: int, b: int, q: int, sweep: SweptMotion, model: Model) -> bool:
 
 @kernel
 def next_contact(
-    w: int, stopping: bool, sweep: SweptMotion, cells: CellMaps | None, model: Model, state: State
+    w: int, stopping: bool, sweep: SweptMotion, cells: Cells, model: Model, state: State
 ) -> tuple[float, int, int]:
     """Return time and bodies of the first contact that stops one of them, -1 if there is none.
 
@@ -239,9 +238,7 @@ def is_centred(w: int, b: int, model: Model) -> bool:
 
 
 @kernel
-def contact_time(
-    w: int, b: int, q: int, sweep: SweptMotion, cells: CellMaps | None, model: Model, state: State
-) -> float:
+def contact_time(w: int, b: int, q: int, sweep: SweptMotion, cells: Cells, model: Model, state: State) -> float:
     """Return the share of the step after which bodies b and q touch, ``NEVER`` if they do not.
 
     Exact if one of them is a disc about its origin and the other does not turn.
@@ -260,7 +257,7 @@ def contact_time(
 
 
 @kernel
-def disc_time(w: int, b: int, q: int, sweep: SweptMotion, cells: CellMaps | None, model: Model, state: State) -> float:
+def disc_time(w: int, b: int, q: int, sweep: SweptMotion, cells: Cells, model: Model, state: State) -> float:
     """Return ``contact_time`` for a disc b, from the area that it sweeps as body q sees it.
 
     Reads: sweep (change, since), model (disc_count, disc_start, map_frame, segment_count, segment_start, solid), state
@@ -291,9 +288,7 @@ def disc_time(w: int, b: int, q: int, sweep: SweptMotion, cells: CellMaps | None
 
 
 @kernel
-def outline_time(
-    w: int, b: int, q: int, sweep: SweptMotion, cells: CellMaps | None, model: Model, state: State
-) -> float:
+def outline_time(w: int, b: int, q: int, sweep: SweptMotion, cells: Cells, model: Model, state: State) -> float:
     """Return ``contact_time`` for any outlines: tests them at times between which they cannot come to touch.
 
     Where they are nearer than ``FINEST`` to each other, a shorter touch may be missed.

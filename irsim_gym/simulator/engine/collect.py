@@ -6,7 +6,6 @@ from typing import Any
 
 import numpy as np
 
-from irsim_gym.base.arraytypes import Flags, Ints
 from irsim_gym.base.errors import Problem, ScenarioError
 from irsim_gym.scenario.reading.level_checks import n_goals_drawn
 from irsim_gym.scenario.specs.spec import BodySpec, PlacementSpec, Scenario
@@ -25,9 +24,8 @@ from irsim_gym.simulator.step.guide import guide
 from irsim_gym.simulator.step.parts import Parts
 from irsim_gym.simulator.step.patience import find_patient
 from irsim_gym.simulator.step.turns import Turn, take_turns
-from irsim_gym.simulator.world.group import Group, WorldContext
-from irsim_gym.simulator.world.model import LOOP, WANDER, Model
-from irsim_gym.simulator.world.outline import Outline
+from irsim_gym.simulator.world.model import LOOP, WANDER
+from irsim_gym.simulator.world.names import Flags, Group, Ints, Model, Outline, WorldContext
 
 Member = tuple[int, Any]
 

@@ -36,8 +36,7 @@ from irsim_gym.simulator.world.model import (
     WANDER,
     Model,
 )
-from irsim_gym.simulator.world.names import Flags, State
-from irsim_gym.simulator.world.outline import Outline
+from irsim_gym.simulator.world.names import Flags, Outline, State
 
 COLLISION_MODES = {
     "stop": STOP,

@@ -15,10 +15,7 @@ from irsim_gym.simulator.engine.own_scans import RANGES, own_scan
 from irsim_gym.simulator.step.disturbances import OWN, Belief, Disturbances
 from irsim_gym.simulator.step.parts import Parts
 from irsim_gym.simulator.world.disturbed import Disturbed
-from irsim_gym.simulator.world.group import Group
-from irsim_gym.simulator.world.model import Model
-from irsim_gym.simulator.world.own_scan import OwnScan
-from irsim_gym.simulator.world.state import State
+from irsim_gym.simulator.world.names import Group, Model, OwnScan, State
 
 Member = tuple[int, Any]
 NEEDS_SCAN = "changes scans, but the robot has no range sensor; add sensors: [{name: lidar2d}] to it"

@@ -4,9 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from irsim_gym.base.arraytypes import Ints
-from irsim_gym.simulator.world.group import Group, find_sensor
-from irsim_gym.simulator.world.own_scan import OwnScan
+from irsim_gym.simulator.world.names import Group, Ints, OwnScan, find_sensor
 
 RANGES = "ranges"
 """Name of the readings of range sensors."""

@@ -5,10 +5,9 @@ from typing import Any
 
 import numpy as np
 
-from irsim_gym.base.arraytypes import Ints
 from irsim_gym.simulator.engine.own_scans import RANGES, own_scan
 from irsim_gym.simulator.engine.simulation import Simulation
-from irsim_gym.simulator.world.group import Group, Shard, find_sensor
+from irsim_gym.simulator.world.names import Group, Ints, Shard, find_sensor
 from irsim_gym.simulator.world.response import Response, respond_at_once
 
 

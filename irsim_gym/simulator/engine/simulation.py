@@ -7,7 +7,6 @@ from typing import Any
 import numpy as np
 
 from irsim_gym.base import rng
-from irsim_gym.base.arraytypes import Flags, Floats, Ints, Words
 from irsim_gym.base.errors import UnknownNameError, several, suggestion
 from irsim_gym.scenario.specs.spec import Scenario
 from irsim_gym.simulator.contact import body_buckets, contact
@@ -21,7 +20,7 @@ from irsim_gym.simulator.step import disturbances, outlines, respawn, restart
 from irsim_gym.simulator.step.parts import Parts
 from irsim_gym.simulator.step.step import Orders, advance, refresh
 from irsim_gym.simulator.world.group import Group, Shard, WorldContext, find_sensor
-from irsim_gym.simulator.world.names import Model, State
+from irsim_gym.simulator.world.names import Flags, Floats, Ints, Model, State, Words
 
 
 @dataclass

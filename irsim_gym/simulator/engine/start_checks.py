@@ -10,8 +10,8 @@ from irsim_gym.simulator.contact import body_buckets, contact
 from irsim_gym.simulator.levels.level_table import given_bodies, varied_outlines
 from irsim_gym.simulator.step import outlines
 from irsim_gym.simulator.step.parts import Parts
-from irsim_gym.simulator.world.model import ROBOT, UNOBSTRUCTED, Model
-from irsim_gym.simulator.world.names import Shard, State
+from irsim_gym.simulator.world.model import UNOBSTRUCTED
+from irsim_gym.simulator.world.names import ROBOT, Model, Shard, State
 
 
 def refuse_blocked_starts(scenario: Scenario, parts: Parts, model: Model, state: State) -> None:

@@ -7,10 +7,8 @@ import numpy as np
 from irsim_gym.simulator.pushing.memory import Pushing
 from irsim_gym.simulator.readings.marks import LineMark, Mark, PointsMark
 from irsim_gym.simulator.step.disturbances import Disturbances
-from irsim_gym.simulator.world.group import Group
-from irsim_gym.simulator.world.model import Model
+from irsim_gym.simulator.world.names import Group, Model, State
 from irsim_gym.simulator.world.outline import corner_points, outline_rows, placed
-from irsim_gym.simulator.world.state import State
 
 BELIEVED, BLIND = "#7C3AED", "#64748B"
 """Colours of believed outlines and of blind sectors."""

@@ -4,13 +4,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from irsim_gym.base.arraytypes import CellMaps, Flags, Floats, Ints, Words
 from irsim_gym.base.rng import level_stream, stream_base
 from irsim_gym.scenario.specs.level_set import LevelSet
 from irsim_gym.scenario.specs.spec import Scenario
 from irsim_gym.simulator.cell_maps.world_maps import lay_cells
-from irsim_gym.simulator.world.names import Model, State, Struct, kernel
-from irsim_gym.simulator.world.outline import Outline
+from irsim_gym.simulator.world.names import CellMaps, Flags, Floats, Ints, Model, Outline, State, Struct, Words, kernel
 
 
 @dataclass(repr=False)

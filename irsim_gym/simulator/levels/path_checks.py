@@ -4,13 +4,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from irsim_gym.base.arraytypes import CellMaps, Flags, Ints
 from irsim_gym.scenario.specs.spec import Scenario
 from irsim_gym.simulator.paths.clearance import Obstacles, mark_standing
 from irsim_gym.simulator.paths.grid import Grid
 from irsim_gym.simulator.paths.regions import WayTables, of_slot, way_exists, way_tables
 from irsim_gym.simulator.world.model import KEEP_GOAL, UNOBSTRUCTED, Model
-from irsim_gym.simulator.world.names import Shard, State, Struct, kernel, row_of
+from irsim_gym.simulator.world.names import Cells, Flags, Ints, Shard, State, Struct, kernel, row_of
 
 CELL_PER_REACH = 0.5
 
@@ -71,7 +70,7 @@ def check_ways(
     slot: int,
     ways: ReachabilityCheck,
     tables: WayTables,
-    cells: CellMaps | None,
+    cells: Cells,
     model: Model,
     state: State,
     failed: Ints,

@@ -2,12 +2,9 @@
 
 import numpy as np
 
-from irsim_gym.base.arraytypes import Floats, Ints, Records
-from irsim_gym.base.kernels.structs import record_type
-from irsim_gym.base.rng import mix, uniform
 from irsim_gym.scenario.entries.body_checks import speed_count
 from irsim_gym.scenario.specs.spec import Scenario
-from irsim_gym.simulator.world.names import Model, State, kernel
+from irsim_gym.simulator.world.names import Floats, Ints, Model, Records, State, kernel, mix, record_type, uniform
 
 TRAITS = record_type("low high unyielding", body=np.int64, n_axes=np.int64, least=np.dtype((np.float64, 2)))
 """Bounds of a body's greatest speed [m/s] (low is NaN where nothing is drawn), the probability that it ignores what

@@ -4,12 +4,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from irsim_gym.base.arraytypes import CellMaps, Flags, Point
 from irsim_gym.simulator.cell_maps.world_maps import capsule_meets_map, map_distance
 from irsim_gym.simulator.geometry.overlap import capsule_meets_outline, point_outline_distance
 from irsim_gym.simulator.paths.points import PointMap, capsule_meets_points, points_distance
-from irsim_gym.simulator.world.names import Model, State, kernel, row_of
-from irsim_gym.simulator.world.outline import outline_of
+from irsim_gym.simulator.world.names import Cells, Flags, Model, Point, State, kernel, outline_of, row_of
 
 
 class Obstacles(NamedTuple):
@@ -28,7 +26,7 @@ class Obstacles(NamedTuple):
     state: State
     w: int
     blocks: Flags
-    cells: CellMaps | None
+    cells: Cells
     points: PointMap | None
 
 

@@ -17,13 +17,11 @@ from typing import NamedTuple, Self
 
 import numpy as np
 
-from irsim_gym.base.arraytypes import BodyOutline, Bytes, CellMaps, Floats, Ints, Point
-from irsim_gym.base.kernels import kernel
 from irsim_gym.simulator.cell_maps.world_maps import map_of
 from irsim_gym.simulator.geometry.polygons import holds_point
 from irsim_gym.simulator.paths.clearance import Obstacles
 from irsim_gym.simulator.paths.points import BLOCK, PointMap
-from irsim_gym.simulator.world.outline import outline_of
+from irsim_gym.simulator.world.names import BodyOutline, Bytes, Cells, Floats, Ints, Point, kernel, outline_of
 
 FREE, BLOCKED = np.uint8(0), np.uint8(1)
 """Whether a cell is blocked."""
@@ -143,7 +141,7 @@ def mark_blocked(obstacles: Obstacles, radius: float, grid: Grid, blocked: Bytes
 
 
 @kernel
-def block_around_cells(cells: CellMaps | None, w: int, radius: float, grid: Grid, blocked: Bytes) -> None:
+def block_around_cells(cells: Cells, w: int, radius: float, grid: Grid, blocked: Bytes) -> None:
     """Block the cells whose centres lie within ``radius`` [m] of an occupied cell of the map of world w."""
     if cells is None:
         return

@@ -2,12 +2,11 @@
 
 import numpy as np
 
-from irsim_gym.base.arraytypes import Floats, Ints
 from irsim_gym.simulator.geometry.buckets import put_in_order
 from irsim_gym.simulator.pushing.matter import Matter
 from irsim_gym.simulator.pushing.memory import PAIRS, Pushing, greatest_travel
-from irsim_gym.simulator.world.names import Model, State, kernel
-from irsim_gym.simulator.world.outline import CIRCLE_CORNERS, outline_of
+from irsim_gym.simulator.world.names import Floats, Ints, Model, State, kernel, outline_of
+from irsim_gym.simulator.world.outline import CIRCLE_CORNERS
 
 SLOP = 1e-6
 """By how much bodies that were taken apart are farther apart than touching [m]."""

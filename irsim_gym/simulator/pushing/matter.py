@@ -9,14 +9,12 @@ import numpy as np
 
 from irsim_gym.base.arraytypes import Flags, Floats, Ints, Records
 from irsim_gym.base.errors import Problem, ScenarioError
-from irsim_gym.base.kernels.structs import record_type
 from irsim_gym.scenario.specs.spec import Scenario
 from irsim_gym.simulator.geometry.polygons import is_convex
 from irsim_gym.simulator.levels.body_measures import measure_into
 from irsim_gym.simulator.levels.level_table import roomy_outlines, varied_outlines
 from irsim_gym.simulator.world.model import NO_DRIVE
-from irsim_gym.simulator.world.names import Model, Struct, kernel, row_of
-from irsim_gym.simulator.world.outline import Outline, chain
+from irsim_gym.simulator.world.names import Model, Outline, Struct, chain, kernel, record_type, row_of
 
 COASTS = 5
 """The drive of a body without one, beside those of ``simulator.world.model``."""

@@ -4,13 +4,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from irsim_gym.base.arraytypes import Flags, Floats, Ints, Records
 from irsim_gym.base.errors import ScenarioError
 from irsim_gym.base.kernels.structs import record_type
 from irsim_gym.scenario.specs.spec import Scenario
 from irsim_gym.simulator.pushing.matter import COASTS, Matter
 from irsim_gym.simulator.world.model import ACKERMANN, DIFFERENTIAL, NO_DRIVE
-from irsim_gym.simulator.world.names import Model, State, Struct, kernel, row_of
+from irsim_gym.simulator.world.names import Flags, Floats, Ints, Model, Records, State, Struct, kernel, row_of
 
 FELT = record_type("x y contact_time air_time", touches=np.bool_, changed=np.bool_)
 """Force on a body in the world frame [N]; for how long it has been in contact, or not [s]; whether it is now, and

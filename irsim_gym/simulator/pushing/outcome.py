@@ -2,14 +2,12 @@
 
 import numpy as np
 
-from irsim_gym.base.arraytypes import Vector
 from irsim_gym.simulator.geometry.angles import wrap_from
 from irsim_gym.simulator.pushing.matter import COASTS, Matter
 from irsim_gym.simulator.pushing.memory import BOUNCES, PAIRS, Pushing
 from irsim_gym.simulator.pushing.pieces import pushed_origin
 from irsim_gym.simulator.world.model import ACKERMANN, DIFFERENTIAL, NO_DRIVE, OMNI_ANGULAR, OMNI_WORLD
-from irsim_gym.simulator.world.names import Floats, Model, State, kernel
-from irsim_gym.simulator.world.outline import place_outline
+from irsim_gym.simulator.world.names import Floats, Model, State, Vector, kernel, place_outline
 from irsim_gym.simulator.world.twist import Twist
 
 

@@ -2,14 +2,13 @@
 
 import numpy as np
 
-from irsim_gym.base.arraytypes import CellMaps, Ints
 from irsim_gym.simulator.geometry.separation import Overlap
 from irsim_gym.simulator.pushing.candidates import SLOP, find_pairs
 from irsim_gym.simulator.pushing.matter import Matter, inverse_inertia
 from irsim_gym.simulator.pushing.memory import BLOCKERS, BOUNCES, PAIRS, SEARCHES, Pushing
 from irsim_gym.simulator.pushing.outcome import note_forces, note_times, write_motions
 from irsim_gym.simulator.pushing.pieces import begin_motion, deepest, push_body
-from irsim_gym.simulator.world.names import Model, State, kernel
+from irsim_gym.simulator.world.names import Cells, Ints, Model, State, Vector, kernel
 
 SWEEPS = 32
 TINY = 1e-12
@@ -19,7 +18,7 @@ SHORT = 1e-6
 
 @kernel
 def part_bodies(
-    worlds: Ints, slot: int, push: Pushing, matter: Matter, cells: CellMaps | None, model: Model, state: State
+    worlds: Ints, slot: int, push: Pushing, matter: Matter, cells: Cells, model: Model, state: State
 ) -> None:
     """Take all bodies apart, and note what they feel.
 
@@ -64,9 +63,7 @@ def begin_motions(w: int, slot: int, push: Pushing, matter: Matter, state: State
 
 
 @kernel
-def sweep_once(
-    w: int, slot: int, push: Pushing, matter: Matter, cells: CellMaps | None, model: Model, state: State
-) -> bool:
+def sweep_once(w: int, slot: int, push: Pushing, matter: Matter, cells: Cells, model: Model, state: State) -> bool:
     """Take the bodies of each pair apart, in order; return whether any has moved.
 
     Reads: push (blockers, bounces, boxes, corners, counts, margin, motions, n_reports, order, pairs, reports, sequence,
@@ -211,14 +208,7 @@ def load(slot: int, b: int, x: float, y: float, push: Pushing, matter: Matter) -
 
 @kernel
 def note_bounce(
-    w: int,
-    slot: int,
-    p: int,
-    normal: tuple[float, float],
-    frees: tuple[bool, bool],
-    push: Pushing,
-    matter: Matter,
-    state: State,
+    w: int, slot: int, p: int, normal: Vector, frees: tuple[bool, bool], push: Pushing, matter: Matter, state: State
 ) -> None:
     """Note how fast the bodies of a pair should part, if they approach each other.
 

@@ -2,12 +2,11 @@
 
 import numpy as np
 
-from irsim_gym.base.arraytypes import CellMaps, Floats, Point, Vector
 from irsim_gym.simulator.cell_maps.cells import cell_range
 from irsim_gym.simulator.geometry.separation import APART, Overlap, Piece, overlap
 from irsim_gym.simulator.pushing.matter import Matter
 from irsim_gym.simulator.pushing.memory import Pushing
-from irsim_gym.simulator.world.names import kernel, row_of
+from irsim_gym.simulator.world.names import CellMaps, Cells, Floats, Point, Vector, kernel, row_of
 
 NEARBY = 1e-3
 """Edges of the map that are farther from a piece than this [m] are not looked at."""
@@ -83,7 +82,7 @@ def place_pieces(w: int, slot: int, b: int, push: Pushing, matter: Matter) -> No
 
 
 @kernel
-def deepest(w: int, slot: int, a: int, b: int, push: Pushing, matter: Matter, cells: CellMaps | None) -> Overlap:
+def deepest(w: int, slot: int, a: int, b: int, push: Pushing, matter: Matter, cells: Cells) -> Overlap:
     """Return the deepest overlap of a piece of body a with one of body b, the first of equal ones.
 
     Reads: push (boxes, corners, margin, spans), matter (edge_rank, first_corner, first_piece, n_corners, rounding).

@@ -10,13 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from irsim_gym.base import families
-from irsim_gym.base.arraytypes import Floats
 from irsim_gym.base.errors import UnknownNameError
 from irsim_gym.simulator.world.arrays import A
-from irsim_gym.simulator.world.group import Group, WorldContext, find_sensor
-from irsim_gym.simulator.world.model import Model
+from irsim_gym.simulator.world.names import Floats, Group, Model, State, WorldContext, find_sensor
 from irsim_gym.simulator.world.outline import corner_points, extent, outline_rows, placed
-from irsim_gym.simulator.world.state import State
 
 T = TypeVar("T")
 

@@ -8,12 +8,11 @@ from typing import Any, Self
 import numpy as np
 
 from irsim_gym.base import families
-from irsim_gym.base.arraytypes import Floats
 from irsim_gym.simulator.readings.body_readings import BodyReadings
 from irsim_gym.simulator.readings.contact_readings import ContactReadings
 from irsim_gym.simulator.readings.sensor_view import SensorView
 from irsim_gym.simulator.readings.shapely_outline import moved, shapely_cells, shapely_outline
-from irsim_gym.simulator.world.model import OMNI_BODY, OMNI_WORLD
+from irsim_gym.simulator.world.names import OMNI_BODY, OMNI_WORLD, Floats
 
 RVO_MARGIN = 0.1
 """By how much ``radius_extend`` exceeds the radius [m]."""

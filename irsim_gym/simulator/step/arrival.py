@@ -2,10 +2,9 @@
 
 import numpy as np
 
-from irsim_gym.base.rng import uniform
 from irsim_gym.simulator.geometry.angles import wrap
 from irsim_gym.simulator.world.model import KEEP_GOAL, STATE, WANDER, Model
-from irsim_gym.simulator.world.names import Floats, Ints, State, kernel, row_of
+from irsim_gym.simulator.world.names import Floats, Ints, State, kernel, row_of, uniform
 
 SAME_PLACE = 1e-6
 """Goals closer to each other than this [m] count as equal."""

@@ -1,7 +1,6 @@
 """Outlines of rigid bodies in the world frame: one kernel serves every footprint."""
 
-from irsim_gym.simulator.world.names import Ints, Model, Shard, State, kernel
-from irsim_gym.simulator.world.outline import place_outline
+from irsim_gym.simulator.world.names import Ints, Model, Shard, State, kernel, place_outline
 
 
 def place(bodies: Ints, model: Model, state: State, shard: Shard) -> None:

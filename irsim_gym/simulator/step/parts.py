@@ -4,7 +4,6 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from irsim_gym.base.arraytypes import Ints, Records
 from irsim_gym.simulator.contact.swept import SweptMotion
 from irsim_gym.simulator.levels.level_table import LevelTable
 from irsim_gym.simulator.levels.path_checks import ReachabilityCheck
@@ -14,7 +13,7 @@ from irsim_gym.simulator.step.disturbances import Disturbances
 from irsim_gym.simulator.step.fog import FogMap
 from irsim_gym.simulator.step.patience import Patience
 from irsim_gym.simulator.step.turns import Turn
-from irsim_gym.simulator.world.group import Group
+from irsim_gym.simulator.world.names import Group, Ints, Records
 
 
 @dataclass

@@ -6,8 +6,8 @@ import numpy as np
 
 from irsim_gym.scenario.specs.spec import Scenario
 from irsim_gym.simulator.step.arrival import begin_round
-from irsim_gym.simulator.world.model import WANDER, Model
-from irsim_gym.simulator.world.names import Flags, Ints, State, Struct, kernel
+from irsim_gym.simulator.world.model import WANDER
+from irsim_gym.simulator.world.names import Flags, Ints, Model, State, Struct, kernel
 
 
 @dataclass(repr=False)

@@ -5,7 +5,6 @@ from dataclasses import replace
 import numpy as np
 
 from irsim_gym.base.errors import PlacementError
-from irsim_gym.base.rng import uniform
 from irsim_gym.simulator.cell_paths.queries import has_free_path, standing_bodies
 from irsim_gym.simulator.contact import body_buckets, contact
 from irsim_gym.simulator.levels import path_checks
@@ -15,8 +14,8 @@ from irsim_gym.simulator.step.arrival import begin_round
 from irsim_gym.simulator.step.parts import Parts
 from irsim_gym.simulator.step.restart import forget_bodies
 from irsim_gym.simulator.step.step import sense
-from irsim_gym.simulator.world.model import KEEP_GOAL, Model
-from irsim_gym.simulator.world.names import Flags, Group, Ints, Shard, State, kernel
+from irsim_gym.simulator.world.model import KEEP_GOAL
+from irsim_gym.simulator.world.names import Flags, Group, Ints, Model, Shard, State, kernel, uniform
 
 TRIES = 10
 """Number of draws from a body's own distribution before any free place is accepted."""

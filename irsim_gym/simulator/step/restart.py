@@ -4,9 +4,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from irsim_gym.base.arraytypes import Flags, Ints, Words
 from irsim_gym.base.errors import PlacementError
-from irsim_gym.base.rng import integer
 from irsim_gym.simulator.contact import body_buckets, contact
 from irsim_gym.simulator.levels import body_measures, path_checks, traits
 from irsim_gym.simulator.levels.level_table import LevelTable, copy_levels, copy_maps
@@ -17,8 +15,8 @@ from irsim_gym.simulator.step import arrival, disturbances, fog, outlines, patie
 from irsim_gym.simulator.step.arrival import begin_round
 from irsim_gym.simulator.step.parts import Parts
 from irsim_gym.simulator.step.step import let_appear, sense
-from irsim_gym.simulator.world.model import STATE, Model
-from irsim_gym.simulator.world.names import Shard, State, kernel
+from irsim_gym.simulator.world.model import STATE
+from irsim_gym.simulator.world.names import Flags, Ints, Model, Shard, State, Words, integer, kernel
 
 LEVEL_TRIES = 100
 

@@ -9,6 +9,7 @@ from irsim_gym.base.arraytypes import (
     MAP_FRAME,
     Bytes,
     CellMaps,
+    Cells,
     Flags,
     Floats,
     Ints,
@@ -88,11 +89,9 @@ class Model(Arrays):
     radius: Floats = column("world* body", np.float64, "m", "radius of the least circle around the footprint")
     centroid: Floats = column("world* body 2", np.float64, "m", "centre of the footprint's area, in the body frame")
     map_frame: Records = column("1", MAP_FRAME, "m", "where the occupancy map lies; body -1: no map")
-    map_squares: Bytes = column(
-        "world* 4 map_column map_row", np.uint8, "", "free square by quadrant, cells; 0: occupied"
-    )
+    map_squares: Bytes = column("world* 4 map_column map_row", np.uint8, "", "free square by quadrant; 0: occupied")
     map_room: Rays = column(
-        "world* map_column map_row", np.float32, "m", "distance of each cell's centre from the occupied"
+        "world* map_column map_row", np.float32, "m", "distance of cells' centres from the occupied"
     )
     map_boxes: Spans = column("world* map_box 4", np.int32, "", "what is occupied: first, end column; first, end row")
     map_n_boxes: Ints = column("world*", np.int64, "", "how many of these boxes count")
@@ -100,9 +99,7 @@ class Model(Arrays):
     bucket_frame: Records = column("1", BUCKET_FRAME, "m", "where the squares of the buckets lie; columns 0: none")
     bucketed: Flags = column("body", np.bool_, "", "small enough to be found through the buckets")
     present: Flags = column("world body", np.bool_, "", "the body exists in this episode")
-    level_stream: Words = column(
-        "world", np.uint64, "", "random stream that the level was drawn from, or row in a file"
-    )
+    level_stream: Words = column("world", np.uint64, "", "random stream that the level was drawn from, or row in file")
     altered: Flags = column("world", np.bool_, "", "bodies have vanished or begun anew since the level was drawn")
     level_random: Words = column("world", np.uint64, "", "state of the random stream when the level was drawn")
     initial_steering: Floats = column("body", np.float64, "rad", "steering angle at the start")
@@ -112,13 +109,11 @@ class Model(Arrays):
     waypoint_count: Ints = column("world body", np.int64, "", "number of goals")
     drawn_goals: Ints = column("body", np.int64, "", "goals that each level draws for the body; 0: none")
     static_partner: Ints = column("world body", np.int64, "", "a static body that a static body touches, -1 for none")
-    static_pose: Floats = column(
-        "world body 3", np.float64, "m, m, rad", "where it stood then; inf where it was absent"
-    )
+    static_pose: Floats = column("world body 3", np.float64, "m, m, rad", "where it stood then; inf where absent")
     static_known: Flags = column("world", np.bool_, "", "static contacts were found, and none has to be found anew")
 
     @property
-    def cells(self) -> CellMaps | None:
+    def cells(self) -> Cells:
         """The occupancy maps of all worlds; None without one."""
         x, y, width, height, body = self.map_frame.item()
         arrays = self.map_squares, self.map_boxes, self.map_n_boxes, self.map_room, float(self.map_disc[0])

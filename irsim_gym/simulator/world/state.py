@@ -26,9 +26,7 @@ class State(Arrays):
     command: Floats = column("world body 3", np.float64, "m/s or rad/s", "what is asked of the drive")
     velocity: Floats = column("world body 3", np.float64, "m/s or rad/s", "what is executed, drive coordinates")
     twist: Floats = column("world body 3", np.float64, "m/s, m/s, rad/s", "velocity in the world frame")
-    plan: Floats = column(
-        "world body 2", np.float64, "m/s, m/s", "world-frame velocity that it last chose in its group"
-    )
+    plan: Floats = column("world body 2", np.float64, "m/s, m/s", "world-frame velocity last chosen in its group")
     segments: Floats = column("world segment 4", np.float64, "m", "outline: x0, y0, x1, y1 in the world frame")
     discs: Floats = column("world disc 3", np.float64, "m", "outline: x, y, radius in the world frame")
     goal: Floats = column("world body 3", np.float64, "m, m, rad", "the goal that is next")

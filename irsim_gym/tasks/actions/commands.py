@@ -5,8 +5,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from irsim_gym.tasks.terms import EpisodeState, Floats, Ints, Model, State, kernel, option, row_of
-from irsim_gym.tasks.terms.outcome import RUNNING
+from irsim_gym.tasks.terms import RUNNING, EpisodeState, Floats, Ints, Model, State, kernel, option, row_of
 
 FRAME = option("body", meaning="Frame of an omni drive's action: the body's, or that of its commands (the world's).")
 

@@ -21,9 +21,7 @@ class DiscreteAction:
     """
 
     linear: int = option(3, ge=1, le=1000, meaning="Number of values of the first component; 1: only the maximum.")
-    lateral: int = option(
-        1, ge=1, le=1000, meaning="Number of values of the second of three components; 1: only its middle."
-    )
+    lateral: int = option(1, ge=1, le=1000, meaning="Values of the second of three components; 1: only its middle.")
     angular: int = option(5, ge=1, le=1000, meaning="Number of values of the last component; 1: only its middle.")
     frame: Literal["body", "command"] = FRAME
 

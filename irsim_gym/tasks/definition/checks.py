@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import replace
+from itertools import chain
 from typing import Any
 
 import numpy as np
@@ -17,6 +18,7 @@ from irsim_gym.simulator.world.model import NO_DRIVE
 from irsim_gym.tasks.definition.audit import Terms, ending_for
 from irsim_gym.tasks.definition.layers import Merged
 from irsim_gym.tasks.terms.graph import HasGraph
+from irsim_gym.tasks.terms.targets import FitsScenario, has_goal
 
 NOTHING = "nothing"
 """``without_sensor``: the observation of a sensor without beams."""
@@ -83,6 +85,9 @@ def check_fit(
         for b, body in zip(agents, bodies, strict=True)
         for message in _body_problems(body, scenario.placements[body.entry], b)
     ]
+    for place, term in chain(*terms.values()):
+        if isinstance(term, FitsScenario) and (lack := term.misfit(scenario)) is not None:
+            merged.report.add(place, lack)
     needing = [term for item in terms.values() for _, term in item if term.needs_goal]
     if needing:
         users = ", ".join(f"'{_term_name(term)}'" for term in needing)
@@ -90,7 +95,7 @@ def check_fit(
             f"has no goal, and the task '{task}' needs one (for {users}): add a goal, or take a task without, "
             "such as {name: blank, observations: [velocity]}"
         )
-        goalless = [body for b, body in zip(agents, bodies, strict=True) if not _has_goal(scenario, b)]
+        goalless = [body for b, body in zip(agents, bodies, strict=True) if not has_goal(scenario, b)]
         problems += [Problem(body.line, body.name, message) for body in goalless]
     for i, problem in enumerate(problems):
         shown = problem if i else replace(problem, message=problem.message + OTHERWISE)
@@ -128,9 +133,7 @@ def check_shield(scenario: Scenario, agents: Sequence[int], merged: Merged) -> N
         if not any(sensor.reading == "ranges" for sensor in body.sensors):
             problem = "has a shield and no range sensor; add sensors: [{name: lidar2d}] to it"
         elif any(low > 0.0 for low in body.vel_min) or any(high < 0.0 for high in body.vel_max):
-            problem = (
-                f"has a shield and cannot stand still: vel_min is {show(body.vel_min)}, vel_max {show(body.vel_max)}"
-            )
+            problem = f"has a shield and cannot stand: vel_min is {show(body.vel_min)}, vel_max {show(body.vel_max)}"
         elif not hasattr(type(body.kinematics), "drive"):
             problem = "has a shield, which does not know how its drive moves"
         else:
@@ -165,11 +168,6 @@ def _body_problems(body: BodySpec, placement: PlacementSpec, b: int) -> list[str
     if not np.any([*body.vel_min, *body.vel_max]):
         return ["cannot learn: its velocity limits vel_min and vel_max are all 0"]
     return []
-
-
-def _has_goal(scenario: Scenario, b: int) -> bool:
-    body = scenario.bodies[b]
-    return bool(body.goal) or bool(scenario.placements[body.entry].kind.gives_goal) or body.wanders
 
 
 def _term_name(term: object) -> str:

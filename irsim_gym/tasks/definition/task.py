@@ -46,35 +46,24 @@ class TaskOptions:
         "", meaning="Which robots learn: a name, a list of names, or 'all'; default: the first robot, or all in a team."
     )
     max_steps: int = option(500, ge=1, le=10**9, unit="steps", meaning="Time limit of an episode.")
-    observation_form: Literal["flat", "dict"] = option(
-        "flat", meaning="One vector (flat), or a dictionary with a vector per observation (dict)."
-    )
+    observation_form: Literal["flat", "dict"] = option("flat", meaning="One vector (flat), or several (dict).")
     ended: Literal["stay", "vanish"] = option(
         "stay",
         meaning="What happens to the body of an agent whose episode has ended: it stays, or is removed before the "
         "next step.",
     )
     team_reward: float = option(
-        0.0,
-        ge=0.0,
-        le=1.0,
-        meaning="Share of each reward term that is the mean over all agents of the world; the rest is the agent's own.",
+        0.0, ge=0.0, le=1.0, meaning="Share of the mean over all agents in each reward; the rest is the agent's own."
     )
-    deadlock_speed: float = option(
-        0.05, ge=0.0, unit="m/s", meaning="An agent that is slower than this, away from its goal, counts as stalled."
-    )
-    deadlock_time: float = option(
-        5.0, gt=0.0, unit="s", meaning="An agent that is stalled for this time is deadlocked."
-    )
+    deadlock_speed: float = option(0.05, ge=0.0, unit="m/s", meaning="Slower, away from its goal, it is stalled.")
+    deadlock_time: float = option(5.0, gt=0.0, unit="s", meaning="An agent stalled for this time is deadlocked.")
     predict: float | bool = option(
         False,
         unit="s",
         meaning="Time until a command acts; observations show what the agent will see then, as far as the commands "
         "under way say it. 'true': the latency of each level.",
     )
-    audit: bool = option(
-        True, meaning="Reject rewards under which crashing or leaving the world pays more than continuing."
-    )
+    audit: bool = option(True, meaning="Reject rewards under which crashing or leaving pays more than continuing.")
     near: float | None = option(
         None, ge=0.0, unit="m", meaning="Closer to another body a step costs 1 (info['cost']); default: no costs."
     )

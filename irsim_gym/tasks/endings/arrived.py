@@ -26,9 +26,7 @@ class Arrived:
         there = "within its goal_threshold of its last goal"
         if not self.wait:
             return f"it is {there}"
-        return (
-            f"it has been {there}, and no agent is on its way any more or the time is up; a later failure is a success"
-        )
+        return f"it has been {there}, and no agent is on its way any more or the time is up; a later failure is success"
 
     @staticmethod
     def ends(term: Term, model: Model, state: State, episode: EpisodeState, shard: Shard) -> None:

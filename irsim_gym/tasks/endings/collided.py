@@ -4,9 +4,8 @@ from typing import ClassVar, Literal
 
 import numpy as np
 
-from irsim_gym.base.arraytypes import Flags, Ints
-from irsim_gym.tasks.terms import EpisodeState, Model, Shard, State, Term, kernel, kind, option
-from irsim_gym.tasks.terms.outcome import HitKind, Outcome
+from irsim_gym.simulator.world.names import Flags, Ints
+from irsim_gym.tasks.terms import EpisodeState, HitKind, Model, Outcome, Shard, State, Term, kernel, kind, option
 
 Touched = Literal["obstacle", "moving_obstacle", "robot", "map"]
 

@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from irsim_gym.base.arraytypes import Flags, Ints
 from irsim_gym.simulator.step.arrival import goal_gap
 from irsim_gym.simulator.world.model import STATE
+from irsim_gym.simulator.world.names import Flags, Ints
 from irsim_gym.tasks.terms import EpisodeState, Model, State, kernel, row_of
 from irsim_gym.tasks.terms.outcome import MISPLACED, RUNNING, SUCCESS, TIMEOUT
 

@@ -7,11 +7,10 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from irsim_gym.base.arraytypes import Flags, Ints, Rays
 from irsim_gym.base.families import ACTIONS, ENDINGS, OBSERVATIONS, REWARDS
 from irsim_gym.simulator.engine.shielding import lay_shield
 from irsim_gym.simulator.running.direct import Direct
-from irsim_gym.simulator.world.model import OMNI_WORLD, Model
+from irsim_gym.simulator.world.names import OMNI_WORLD, Flags, Ints, Model, Rays
 from irsim_gym.simulator.world.state import State as WorldState
 from irsim_gym.tasks.actions import commands
 from irsim_gym.tasks.definition.task import Task, checked_limit

@@ -15,13 +15,11 @@ from irsim_gym.simulator.geometry.angles import TURN, nearly_arctan2
 from irsim_gym.simulator.step import outlines
 from irsim_gym.simulator.step.disturbances import copy_rows
 from irsim_gym.simulator.world.disturbed import Disturbed, whole_steps
-from irsim_gym.simulator.world.model import ACKERMANN
-from irsim_gym.simulator.world.names import Floats, Ints, Model, Rays, Shard, State, Struct, kernel, row_of
+from irsim_gym.simulator.world.names import ACKERMANN, Floats, Ints, Model, Rays, Shard, State, Struct, kernel, row_of
 from irsim_gym.simulator.world.own_scan import OwnScan
 from irsim_gym.simulator.world.twist import body_twist
 from irsim_gym.tasks.definition.task import Task
-from irsim_gym.tasks.terms import EpisodeState, Simulation, Term
-from irsim_gym.tasks.terms.term import HasArrays
+from irsim_gym.tasks.terms import EpisodeState, HasArrays, Simulation, Term
 
 NEAR_EDGE = 1e-4
 """A point that is nearer to the edge between two beams, as a share of their distance, is tested for both."""

@@ -2,9 +2,7 @@
 
 import numpy as np
 
-from irsim_gym.tasks.terms import Ints, Model, Rays, Simulation, State, kernel, row_of
-from irsim_gym.tasks.terms.outcome import RUNNING
-from irsim_gym.tasks.terms.scaling import unit
+from irsim_gym.tasks.terms import RUNNING, Ints, Model, Rays, Simulation, State, kernel, row_of, unit
 
 WIDTH = 10
 """Number of values per agent."""

@@ -5,6 +5,7 @@ One file for each observation, named as in YAML, by what it is about.
 
 from irsim_gym.base.families import OBSERVATIONS
 from irsim_gym.tasks.observations.bodies.exact_free_travel import ExactFreeTravel
+from irsim_gym.tasks.observations.bodies.movable_bodies import MovableBodies
 from irsim_gym.tasks.observations.bodies.nearest_bodies import NearestBodies
 from irsim_gym.tasks.observations.bodies.neighbors import Neighbors
 from irsim_gym.tasks.observations.bodies.time_to_collision import TimeToCollision
@@ -14,6 +15,7 @@ from irsim_gym.tasks.observations.goal.goal_record import GoalRecord
 from irsim_gym.tasks.observations.goal.route import Route
 from irsim_gym.tasks.observations.images.occupancy_image import OccupancyImage
 from irsim_gym.tasks.observations.images.seen_map_image import SeenMapImage
+from irsim_gym.tasks.observations.own.contact import Contact
 from irsim_gym.tasks.observations.own.drive import Drive
 from irsim_gym.tasks.observations.own.has_arrived import HasArrived
 from irsim_gym.tasks.observations.own.heading import Heading
@@ -47,6 +49,8 @@ OBSERVATIONS.register("drive", Drive)
 OBSERVATIONS.register("own_body", OwnBody)
 OBSERVATIONS.register("nearest_bodies", NearestBodies)
 OBSERVATIONS.register("neighbors", Neighbors)
+OBSERVATIONS.register("movable_bodies", MovableBodies)
+OBSERVATIONS.register("contact", Contact)
 OBSERVATIONS.register("goal_record", GoalRecord)
 OBSERVATIONS.register("has_arrived", HasArrived)
 OBSERVATIONS.register("route", Route)

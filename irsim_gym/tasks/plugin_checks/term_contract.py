@@ -10,9 +10,8 @@ from typing import Any
 import numpy as np
 
 from irsim_gym.base.contract import Contract, check_method, has_member, refuse
-from irsim_gym.tasks.terms import Model, Outcome
-from irsim_gym.tasks.terms.graph import HasGraph
-from irsim_gym.tasks.terms.mirrored import HasMirrored, Mirrored
+from irsim_gym.tasks.terms import HasGraph, Mirrored, Model, Outcome, TellsActions, TellsColumns, TellsWhen
+from irsim_gym.tasks.terms.mirrored import HasMirrored
 from irsim_gym.tasks.terms.term import (
     ActionKind,
     EndingKind,
@@ -25,7 +24,6 @@ from irsim_gym.tasks.terms.term import (
     RewardKind,
     Term,
 )
-from irsim_gym.tasks.terms.words import TellsActions, TellsColumns, TellsWhen
 
 
 def _observation(kind: type[Any]) -> Iterator[str]:

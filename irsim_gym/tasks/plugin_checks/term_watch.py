@@ -8,10 +8,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from irsim_gym.base.arraytypes import Flags, Ints
 from irsim_gym.base.contract import is_foreign, refuse
-from irsim_gym.tasks.terms import EpisodeState, Model, Outcome, Shard, Simulation, State
-from irsim_gym.tasks.terms.term import IsImage, Term
+from irsim_gym.simulator.world.names import Flags, Ints
+from irsim_gym.tasks.terms import EpisodeState, IsImage, Model, Outcome, Shard, Simulation, State, Term
 
 FEW = 3
 """Number of different inputs from which on an action must differ, too."""

@@ -1,6 +1,6 @@
 """What is rewarded.
 
-One file for each reward, named as in YAML.
+One file for each reward, named as in YAML; those of bodies that are pushed in ``pushing``.
 """
 
 from irsim_gym.base.families import REWARDS
@@ -11,6 +11,9 @@ from irsim_gym.tasks.rewards.deadlock import Deadlock
 from irsim_gym.tasks.rewards.left_world import LeftWorldPenalty
 from irsim_gym.tasks.rewards.obstruction import Obstruction
 from irsim_gym.tasks.rewards.progress import Progress
+from irsim_gym.tasks.rewards.pushing.body_arrival import BodyArrival
+from irsim_gym.tasks.rewards.pushing.body_progress import BodyProgress
+from irsim_gym.tasks.rewards.pushing.push_effort import PushEffort
 from irsim_gym.tasks.rewards.smoothness import Smoothness
 from irsim_gym.tasks.rewards.time import Time
 
@@ -23,3 +26,6 @@ REWARDS.register("time", Time)
 REWARDS.register("clearance", Clearance)
 REWARDS.register("obstruction", Obstruction)
 REWARDS.register("smoothness", Smoothness)
+REWARDS.register("body_progress", BodyProgress)
+REWARDS.register("body_arrival", BodyArrival)
+REWARDS.register("push_effort", PushEffort)

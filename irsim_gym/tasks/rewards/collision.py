@@ -6,8 +6,8 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from irsim_gym.base.arraytypes import Flags, Floats, Ints
-from irsim_gym.tasks.terms import EpisodeState, Model, Shard, Simulation, State, kernel, kind, option
+from irsim_gym.simulator.world.names import Flags, Floats, Ints, Model, Shard, State, kernel, kind, option
+from irsim_gym.tasks.terms import EpisodeState, Simulation
 from irsim_gym.tasks.terms.outcome import COLLISION, HitKind, Outcome
 from irsim_gym.tasks.terms.term import RewardDefaults, Role, Term, forget
 

@@ -5,7 +5,7 @@ from typing import Self
 
 import numpy as np
 
-from irsim_gym.base.arraytypes import Bytes, CellMaps, Flags, Floats, Ints
+from irsim_gym.base.arraytypes import Bytes, Cells, Flags, Floats, Ints
 from irsim_gym.simulator.paths.clearance import Obstacles, mark_standing
 from irsim_gym.simulator.paths.geodesic import distance_field, field_at
 from irsim_gym.simulator.paths.grid import Grid, Search
@@ -65,7 +65,7 @@ def draw_fields(
     agents: Ints,
     fields: Fields,
     model: Model,
-    cells: CellMaps | None,
+    cells: Cells,
     state: State,
     episode: EpisodeState,
 ) -> None:

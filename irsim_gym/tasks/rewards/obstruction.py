@@ -4,12 +4,10 @@ from typing import ClassVar
 
 import numpy as np
 
-from irsim_gym.base.arraytypes import Ints, Spans
 from irsim_gym.simulator.paths.grid import Grid, centre
+from irsim_gym.simulator.world.names import Ints, Model, Shard, Spans, State, kernel, kind, option
 from irsim_gym.tasks.observations.goal.route import Route, RouteWays, entry, find_ways
-from irsim_gym.tasks.terms import EpisodeState, Model, Shard, Simulation, State, kernel, kind, option
-from irsim_gym.tasks.terms.outcome import RUNNING
-from irsim_gym.tasks.terms.term import Bound, RewardDefaults, Term, forget
+from irsim_gym.tasks.terms import RUNNING, Bound, EpisodeState, RewardDefaults, Simulation, Term, forget
 
 
 @kind

@@ -5,11 +5,9 @@ from typing import ClassVar, Literal
 
 import numpy as np
 
-from irsim_gym.base.arraytypes import Floats, Ints
+from irsim_gym.simulator.world.names import Floats, Ints, Model, Shard, State, Struct, kernel, kind, option
 from irsim_gym.tasks.rewards.geodesic import Fields, note_fields, pay_field_gain
-from irsim_gym.tasks.terms import EpisodeState, Model, Shard, Simulation, State, Struct, kernel, kind, option
-from irsim_gym.tasks.terms.scaling import diagonal
-from irsim_gym.tasks.terms.term import Bound, RewardDefaults, Role, Term
+from irsim_gym.tasks.terms import Bound, EpisodeState, RewardDefaults, Role, Simulation, Term, diagonal
 
 
 @dataclass
@@ -37,8 +35,7 @@ class Progress(RewardDefaults):
 
     weight: float = option(4.0, ge=0.0, meaning="Reward for progress of one diagonal of the world.")
     potential: Literal["euclidean", "geodesic"] = option(
-        "euclidean",
-        meaning="Distance to the goal: straight, or around everything that never moves, with room for the agent.",
+        "euclidean", meaning="Distance to the goal: straight, or around all that never moves, with room."
     )
     cell: float = option(0.1, gt=0.0, unit="m", meaning="With geodesic, the cell size for distances.")
 

@@ -41,16 +41,12 @@ class EpisodeState(Arrays):
     action: Floats = column("world agent action", np.float64, "", "latest action, in [-1, 1]; at rest at the start")
     previous_action: Floats = column("world agent action", np.float64, "", "the action before the latest")
     position: Floats = column("world agent 2", np.float64, "m", "x and y, as last added to the path")
-    clearance: Floats = column(
-        "world agent", np.float64, "m", "distance to the nearest other body, as far as it matters"
-    )
+    clearance: Floats = column("world agent", np.float64, "m", "distance to the nearest body, as far as it matters")
     min_clearance: Floats = column("world agent", np.float64, "m", "least clearance so far, the start included")
     path_length: Floats = column("world agent", np.float64, "m", "distance travelled, up to an arrival")
     goal_distance: Floats = column("world agent", np.float64, "m", "distance to the next goal")
     steps: Ints = column("world agent", np.int64, "", "steps taken")
-    arrival: Ints = column(
-        "world agent", np.int64, "", "step in which it arrived, if the ending ``arrived`` waits; else 0"
-    )
+    arrival: Ints = column("world agent", np.int64, "", "step in which it arrived, if ``arrived`` waits; else 0")
     stalled: Floats = column("world agent", np.float64, "s", "time stalled away from its goal")
     deadlocked: Flags = column("world agent", np.bool_, "", "it has been stalled for deadlock_time")
     hit: Ints = column("world agent", np.int64, "", "the touched body (lowest id), -1 for none")

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from irsim_gym.base.arraytypes import Floats
-from irsim_gym.tasks.terms import Model
+from irsim_gym.simulator.world.names import Model
 from irsim_gym.tasks.terms.term import Term
 
 OPSET, IR_VERSION = 17, 8

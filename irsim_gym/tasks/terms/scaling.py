@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from irsim_gym.tasks.terms import Floats, kernel
+from irsim_gym.simulator.world.names import Floats, kernel
 
 
 @kernel

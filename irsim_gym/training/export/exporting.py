@@ -174,9 +174,7 @@ def _run_record(source: Path) -> dict[str, Any] | None:
     checkpoints = list_checkpoints(run.checkpoints)
     chosen = [path for path in checkpoints if source in (path, path / POLICY)]
     if not chosen and (not run.finished() or not checkpoints):
-        raise IrsimGymError(
-            f"{run.folder} is not finished: resume it, then export its policy, or export one of its checkpoints"
-        )
+        raise IrsimGymError(f"{run.folder} is not finished: resume it, or export one of its checkpoints")
     last = (chosen or checkpoints)[-1]
     progress = load_progress(last)
     cost = {name: getattr(progress, name) for name in ("steps", "training_seconds", "cpu_seconds")}

@@ -12,7 +12,7 @@ from stable_baselines3.common.callbacks import BaseCallback
 from irsim_gym.base.errors import IrsimGymError
 from irsim_gym.evaluation.protocol.tables import PLAIN, remove_leftovers, write_bytes, write_csv
 from irsim_gym.evaluation.requests.inputs import check_folder
-from irsim_gym.evaluation.requests.interruption import stopped_at_end, stopped_early
+from irsim_gym.evaluation.requests.interruption import StopRequest, stopped_at_end, stopped_early
 from irsim_gym.evaluation.saved_policies import checkpoint_files as stored
 from irsim_gym.evaluation.saved_policies.snapshot import Snapshot, differences, listed
 from irsim_gym.sb3 import LogCallback
@@ -21,7 +21,7 @@ from irsim_gym.training.runs import models
 from irsim_gym.training.runs.cloning import clone_behavior
 from irsim_gym.training.runs.environment import compile_kernels
 from irsim_gym.training.runs.fine_tuning import copy_weights
-from irsim_gym.training.runs.monitoring import StopLearningError, StopRequest, TrainingMonitor, tensorboard_logger
+from irsim_gym.training.runs.monitoring import StopLearningError, TrainingMonitor, tensorboard_logger
 from irsim_gym.training.settings.folders import check_replaceable, setting_differences, sole_writer
 from irsim_gym.training.settings.run import FILES, Run, Settings
 

@@ -8,7 +8,7 @@ from typing import Any, Self
 from irsim_gym.base.errors import IrsimGymError
 from irsim_gym.base.families import ACTIONS
 from irsim_gym.evaluation.policies.perception import perception_differences
-from irsim_gym.evaluation.saved_policies.algorithms import find_algorithm
+from irsim_gym.evaluation.saved_policies.algorithms import MASKED, find_algorithm
 from irsim_gym.evaluation.saved_policies.policies import policy_names
 from irsim_gym.evaluation.saved_policies.run_folder import lasting
 from irsim_gym.evaluation.saved_policies.snapshot import listed
@@ -78,12 +78,7 @@ class TrainingRequest:
     @property
     def overrides(self) -> dict[str, Any]:
         """Hyper-parameters that have an option of their own."""
-        options: dict[str, Any] = {
-            "n_timesteps": self.steps,
-            "team": self.team,
-            "device": self.device,
-            "until": self.until,
-        }
+        options = {"n_timesteps": self.steps, "team": self.team, "device": self.device, "until": self.until}
         return {name: value for name, value in options.items() if value is not None}
 
     def settings(self) -> Settings:
@@ -112,7 +107,7 @@ class TrainingRequest:
         mixed_up = perception_differences({part.scenario: part.perception() for part in settings})
         if mixed_up:
             raise IrsimGymError(
-                f"one policy needs one perception, but {listed(mixed_up)}; --task lets all of them observe alike"
+                f"one policy needs one perception, but {listed(mixed_up)}; --task lets all observe alike"
             )
         pairs = zip(self.mixture, settings, strict=True)
         mixed = tuple(MixturePart(one.scenario, one.parameters, part.share) for part, one in pairs)
@@ -135,6 +130,9 @@ class TrainingRequest:
         hyperparameters = load_hyperparameters(*names, **chosen_file, overrides=self.overrides)
         task = None if self.task is None else lasting(self.task)
         settings = Settings(named, algorithm, self.seed, task, hyperparameters, loaded.parameters, self.strict)
+        if hyperparameters.team == "episode" and algorithm not in MASKED:
+            ways = f"--team respawn, where none waits, or {', '.join(MASKED)}"
+            raise IrsimGymError(f"{algorithm} learns from robots that wait as if they acted: take {ways}")
         if settings.is_team:  # its robots have to fit each other, too
             settings.load_task()
         return settings

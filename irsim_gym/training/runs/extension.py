@@ -20,15 +20,9 @@ def extend(run: Run, steps: int, until: float | None) -> str:
     settings, newest = run.settings(), newest_checkpoint(run.checkpoints)
     hyper = settings.hyperparameters
     if not run.finished():
-        raise IrsimGymError(
-            f"--more-steps is for finished runs, and {run.folder} is not: continue it with --resume alone"
-        )
+        raise IrsimGymError(f"--more-steps is for finished runs, and {run.folder} is not: go on with --resume alone")
     if newest is None or settings.algorithm in OFF_POLICY:
-        why = (
-            "its replay buffer is not kept"
-            if settings.algorithm in OFF_POLICY
-            else "there is no state to continue from"
-        )
+        why = "its replay buffer is not kept" if settings.algorithm in OFF_POLICY else "there is no state to go on from"
         raise IrsimGymError(f"{run.folder} cannot go on: {why}; --from {run.folder} starts a new run with its policy")
     before = load_progress(newest).steps
     total = before + steps

@@ -19,7 +19,7 @@ from irsim_gym.base.outside_files import reading
 from irsim_gym.envs.sb3_learning.mirror import checked_mirror
 from irsim_gym.evaluation.saved_policies import checkpoint_files as stored
 from irsim_gym.evaluation.saved_policies.algorithms import find_algorithm
-from irsim_gym.sb3 import MirrorCallback, buffers_for
+from irsim_gym.sb3 import MirrorCallback
 from irsim_gym.training.runs import checkpoint as files
 from irsim_gym.training.runs.environment import build_environment, restore_worlds
 from irsim_gym.training.settings.run import Run, Settings
@@ -83,8 +83,6 @@ def new_model(settings: Settings) -> BaseAlgorithm:
     policy: Any = f"{network_kind(env.observation_space)}{suffix}Policy"
     if network_kind(env.observation_space) == "MultiInput":
         arguments["policy_kwargs"] = dict_policy_arguments(arguments["policy_kwargs"])
-    if settings.is_team:
-        arguments = {**buffers_for(kind, env), **arguments}
     if arguments.get("action_noise") is not None:
         arguments["action_noise"] = _noise(env, arguments["action_noise"])
     try:
@@ -156,9 +154,8 @@ def restored_model(settings: Settings, newest: Path) -> tuple[BaseAlgorithm, sto
     with reading(newest / stored.STATE, "state that this version can resume"):
         env = restore_worlds(env, state["worlds"])
     kind: Any = algorithm_class(settings)
-    buffers = {} if settings.hyperparameters.team is None else buffers_for(kind, env)
     with reading(newest / stored.POLICY, "policy of Stable-Baselines3"):
-        model: BaseAlgorithm = kind.load(newest / stored.POLICY, env=env, device=device, force_reset=False, **buffers)
+        model: BaseAlgorithm = kind.load(newest / stored.POLICY, env=env, device=device, force_reset=False)
     if isinstance(model, OffPolicyAlgorithm):
         with reading(newest / stored.REPLAY_BUFFER, "replay buffer"):
             model.load_replay_buffer(newest / stored.REPLAY_BUFFER, truncate_last_traj=False)

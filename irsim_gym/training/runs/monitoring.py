@@ -2,18 +2,15 @@
 
 from __future__ import annotations
 
-import signal
-import threading
 import time
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
-from types import FrameType
+from collections.abc import Callable
 
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 from stable_baselines3.common.callbacks import BaseCallback
 from stable_baselines3.common.logger import Logger, TensorBoardOutputFormat
 
+from irsim_gym.evaluation.requests.interruption import StopRequest
 from irsim_gym.evaluation.saved_policies.checkpoint_files import RunProgress
 from irsim_gym.training.settings.run import Run
 
@@ -23,38 +20,6 @@ LOG_ROWS = 200
 
 class StopLearningError(Exception):
     """Raised between two updates, after writing a checkpoint, to end the learning."""
-
-
-class StopRequest:
-    """A request to stop by Ctrl-C, SIGTERM or SIGHUP. A second signal stops at once.
-
-    Attributes:
-        signal: Number of the signal; None before the first one.
-    """
-
-    def __init__(self) -> None:
-        self.signal: int | None = None
-
-    @contextmanager
-    def listening(self) -> Iterator[StopRequest]:
-        """Handle these signals, but not SIGHUP where ``nohup`` ignores it. Does nothing outside the main thread."""
-        if threading.current_thread() is not threading.main_thread():
-            yield self
-            return
-        kinds = [signal.SIGINT, signal.SIGTERM]
-        if hasattr(signal, "SIGHUP") and signal.getsignal(signal.SIGHUP) != signal.SIG_IGN:
-            kinds.append(signal.SIGHUP)
-        before = {kind: signal.signal(kind, self._handle) for kind in kinds}
-        try:
-            yield self
-        finally:
-            for kind, handler in before.items():
-                signal.signal(kind, handler)
-
-    def _handle(self, number: int, frame: FrameType | None) -> None:
-        if self.signal is not None:
-            raise KeyboardInterrupt
-        self.signal = number
 
 
 class Clock:

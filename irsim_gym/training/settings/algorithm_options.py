@@ -30,16 +30,12 @@ class RunKeys:
 
     n_timesteps: int = option(ge=1, unit="steps", meaning="Steps of the whole run, over all worlds and robots.")
     n_envs: int = option(ge=1, le=1_000_000, meaning="Worlds in the batch.")
-    until: float | None = option(
-        None, gt=0.0, le=100.0, unit="%", meaning="Success on dev levels at which a checkpoint ends the run."
-    )
+    until: float | None = option(None, gt=0.0, le=100.0, unit="%", meaning="Success on dev levels that ends the run.")
     team: Literal["episode", "respawn"] | None = option(
         None, meaning="All robots learn; one that has ended waits for its world (episode) or restarts (respawn)."
     )
     mirror: bool = option(False, meaning="ppo exchanges left and right in half of the rows that it learns from.")
-    clone: str | None = option(
-        None, min_length=1, meaning="Policy that the actor imitates before the training, e.g. pursuit:known=seen."
-    )
+    clone: str | None = option(None, min_length=1, meaning="Policy that is imitated first, e.g. pursuit:known=seen.")
     clone_levels: int = option(2000, ge=1, meaning="Number of ``train`` levels that the imitated policy plays.")
     clone_epochs: int = option(8, ge=1, meaning="Number of passes over its successful episodes.")
     torch_threads: int = option(1, ge=1, le=1024, meaning="Number of threads of PyTorch.")

@@ -101,9 +101,7 @@ def _entry(name: str, entry: object, algorithm: Algorithm, report: Report) -> di
         is_key = name in option_fields(declared.RunKeys) or name in _arguments(algorithm)
         others = [DEFAULT, re.sub(r"-v\d+(?=/|$)", "-v0", name)] if "/" in name else [DEFAULT]
         hint = f" (it belongs below '{DEFAULT}:')" if is_key else suggestion(name, others)
-        report.add(
-            (name,), f"no entry{hint}; entries are '{DEFAULT}', ids such as irsim_gym/cluttered_room-v0, and ID/TASK"
-        )
+        report.add((name,), f"no entry{hint}; entries are '{DEFAULT}', ids such as irsim_gym/maze-v0, and ID/TASK")
         if is_key:
             return {}
     if not isinstance(entry, Mapping):

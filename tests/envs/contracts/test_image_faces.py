@@ -21,7 +21,6 @@ from gymnasium.utils import env_checker
 from gymnasium.vector import AutoresetMode, SyncVectorEnv
 from gymnasium.wrappers import FrameStackObservation, GrayscaleObservation, NormalizeObservation
 from pettingzoo.utils.conversions import parallel_to_aec
-from stable_baselines3 import SAC
 from stable_baselines3.common import env_checker as sb3_env_checker
 from stable_baselines3.common.vec_env import DummyVecEnv, VecNormalize
 from team_scenes import crossing, mixed
@@ -298,8 +297,6 @@ def test_teams_learn_from_pictures():
         kind = "MultiInputPolicy" if isinstance(env.observation_space, Dict) else "CnnPolicy"
         policy = {"features_extractor_kwargs": {("cnn_output_dim" if kind[0] == "M" else "features_dim"): 16}}
         sb3.MaskedPPO(kind, env, policy_kwargs=policy, **SMALL).learn(48)
-    extra = {"buffer_size": 200, "learning_starts": 6, "batch_size": 6, "device": "cpu"}
-    SAC("MultiInputPolicy", env, policy_kwargs={**policy}, **extra, **sb3.buffers_for(SAC, env)).learn(18)
     sb3.GruPPO("MultiInputGruPolicy", env, policy_kwargs={**policy, "memory_size": 8}, **SMALL).learn(48)
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 import torch
-from stable_baselines3 import PPO, SAC
+from stable_baselines3 import PPO
 from stable_baselines3.common.vec_env import VecNormalize
 from team_tools import ARRIVES, COLLIDES, KNOWN, LIMIT, MEET, Recorder, episodes_of
 
@@ -152,85 +152,11 @@ def test_a2c_learns_without_minibatches():
 
 def test_algorithms_that_cannot_leave_out_waiting_are_refused():
     env, single = team(), sb3.make_vec_env("sparse_circles", 2, seed=0, render_mode=None)
-    assert sb3.buffers_for(sb3.GruPPO, env) == {}
-    with pytest.raises(TypeError, match=r"PPO cannot tell .* sb3\.MaskedPPO"):
-        sb3.buffers_for(PPO, env)
-    with pytest.raises(TypeError, match="WorldVecEnv does not say which slots acted"):
-        sb3.buffers_for(SAC, single)
     with pytest.raises(TypeError, match="WorldVecEnv does not say which slots acted"):
         ppo(single, n_steps=4, batch_size=8).learn(8)
     model = ppo(env, PPO, n_steps=4, batch_size=8, rollout_buffer_class=sb3.MaskedRolloutBuffer)
     with pytest.raises(TypeError, match=r"use sb3\.MaskedPPO"):
         model.learn(8)
-
-
-@pytest.mark.parametrize("form", ["flat", "dict"])
-def test_replay_holds_exactly_the_transitions_of_agents_that_acted(form):
-    env = team(max_steps=15, task={**MEET["task"], "name": "navigation", "observation_form": form})
-    policy = "MultiInputPolicy" if form == "dict" else "MlpPolicy"
-    model = SAC(policy, env, seed=0, device="cpu", learning_starts=10**6, buffer_size=2000, **sb3.buffers_for(SAC, env))
-    expected = []
-
-    def note(local, _):
-        acted = env.acted
-        assert not acted.all() or env.idle_share < 0.5
-        for slot in np.flatnonzero(acted).tolist():
-            info = local["infos"][slot]
-            after = info.get("terminal_observation", pick(local["new_obs"], slot))
-            expected.append(
-                (flat(pick(model._last_obs, slot)), local["actions"][slot], flat(after), local["rewards"][slot],
-                 local["dones"][slot], info.get("TimeLimit.truncated", False))
-            )  # fmt: skip
-        return True
-
-    model.learn(60 * env.num_envs, callback=note)
-    buffer = model.replay_buffer
-    assert buffer.pos == len(expected) == round((1.0 - env.idle_share) * 60 * env.num_envs)
-    assert env.idle_share > 0.1
-    stored = flat(buffer.observations), flat(buffer.next_observations)
-    for row, (before, _, after, reward, done, cut) in enumerate(expected):
-        np.testing.assert_array_equal(stored[0][row], before)
-        np.testing.assert_array_equal(stored[1][row], after)
-        assert (buffer.rewards[row, 0], buffer.dones[row, 0], buffer.timeouts[row, 0]) == (reward, done, cut)
-    assert buffer.sample(32).rewards.shape == (32, 1)
-
-
-def pick(observation, slot):
-    return {k: v[slot] for k, v in observation.items()} if isinstance(observation, dict) else observation[slot]
-
-
-def flat(observation):
-    if not isinstance(observation, dict):
-        return np.squeeze(observation)
-    return np.concatenate([np.squeeze(observation[name]) for name in sorted(observation)], axis=-1)
-
-
-def test_a_full_replay_buffer_forgets_the_oldest():
-    env = team(max_steps=15)
-    buffer = sb3.MaskedReplayBuffer(10, env.observation_space, env.action_space, "cpu", n_envs=4)
-    observations = np.zeros((4, *env.observation_space.shape), np.float32)
-    infos = [{}, {"idle": True}, {}, {}]
-    for step in range(5):  # 3 of 4 are stored each time: 15 in all
-        rewards = 10.0 * step + np.arange(4)
-        buffer.add(observations, observations, np.zeros((4, 2)), rewards, np.zeros(4, bool), infos)
-    assert (buffer.full, buffer.pos, buffer.size()) == (True, 5, 10)
-    assert sorted(buffer.rewards[:, 0].tolist()) == [13, 20, 22, 23, 30, 32, 33, 40, 42, 43]
-    with pytest.raises(ValueError, match="optimize_memory_usage"):
-        sb3.MaskedReplayBuffer(10, env.observation_space, env.action_space, "cpu", optimize_memory_usage=True)
-
-
-def test_sac_learns_from_teams_and_is_reproducible():
-    weights = []
-    for _ in range(2):
-        env = team(max_steps=15)
-        model = SAC(
-            "MlpPolicy", env, seed=0, device="cpu", learning_starts=60, batch_size=32, buffer_size=300,
-            policy_kwargs={"net_arch": [8]}, **sb3.buffers_for(SAC, env),
-        )  # fmt: skip
-        model.learn(400)
-        weights.append(torch.cat([p.detach().flatten() for p in model.policy.parameters()]))
-    assert torch.equal(*weights)
-    assert torch.isfinite(weights[0]).all()
 
 
 def actions(rng, env):
@@ -290,4 +216,4 @@ def test_ppo_learns_under_normalisation(wrapper, tmp_path):
 
 
 def test_package_shows_the_buffers():
-    assert {"buffers_for", "make_multi_agent_vec_env", "MaskedRolloutBuffer"} <= set(irsim_gym.sb3.__all__)
+    assert {"make_multi_agent_vec_env", "MaskedRolloutBuffer"} <= set(irsim_gym.sb3.__all__)

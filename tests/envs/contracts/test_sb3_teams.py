@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from contract_tools import arrays_in, assert_same
 from gymnasium.error import ResetNeeded
-from stable_baselines3 import DQN, PPO
+from stable_baselines3 import PPO
 from stable_baselines3.common.callbacks import EvalCallback
 from stable_baselines3.common.evaluation import evaluate_policy
 from stable_baselines3.common.monitor import Monitor
@@ -348,10 +348,4 @@ def test_wrappers_of_sb3_pass_the_masks_on():
 
 def test_choices_are_learnt_too():
     env = team(task={**MEET["task"], "action": {"name": "discrete", "linear": 2, "angular": 3}}, max_steps=15)
-    model = DQN(
-        "MlpPolicy", env, seed=0, device="cpu", learning_starts=50, buffer_size=500, batch_size=16,
-        policy_kwargs={"net_arch": [8]}, **sb3.buffers_for(DQN, env),
-    )  # fmt: skip
-    model.learn(450)
-    assert model.replay_buffer.pos == round(model.num_timesteps * (1.0 - env.idle_share))
     sb3.MaskedPPO("MlpPolicy", env, n_steps=16, batch_size=36, device="cpu").learn(16 * 9)

@@ -90,7 +90,17 @@ def test_a_run_takes_the_place_of_the_rows_of_its_benchmarks(tmp_path: Path, mon
     with pytest.raises(SystemExit, match="holds 10 test levels, not 1000 test levels"):
         take_over(tmp_path / "run")
     for rows in (run.members, run.runs, run.figures):
-        rows["maze_disturbed"] = rows.pop("maze")
+        rows["rooms_disturbed"] = rows.pop("maze")
     run.write(tmp_path / "run")
     with pytest.raises(SystemExit, match="holds 10 test levels, not 250 test levels"):
         take_over(tmp_path / "run")
+    run.levels, late = 250, {"value": 0.31, "played_to": 0.8}
+    run.methods = {"orca": run.methods["mine"]}
+    run.runs["rooms_disturbed"] = {"orca": run.runs["rooms_disturbed"]["mine"]}
+    run.figures["rooms_disturbed"] = {"orca": {**run.figures["rooms_disturbed"]["mine"], "latency_at_loss": late}}
+    run.write(tmp_path / "run")
+    take_over(tmp_path / "run")
+    rooms = {method: row["latency_at_loss"] for method, row in json.loads(copy.read_text())["figures"]["rooms"].items()}
+    assert rooms == {method: row.get("latency_at_loss") for method, row in before["figures"]["rooms"].items()} | {
+        "orca": late
+    }

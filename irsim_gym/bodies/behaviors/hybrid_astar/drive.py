@@ -2,14 +2,13 @@
 
 import numpy as np
 
-from irsim_gym.base.arraytypes import Record
 from irsim_gym.bodies.behaviors.hybrid_astar import follow
 from irsim_gym.bodies.behaviors.hybrid_astar.plan import TIGHT, find_poses, shape_of
 from irsim_gym.bodies.behaviors.hybrid_astar.tables import PoseTables, PoseWay
 from irsim_gym.bodies.behaviors.pursuit.motion import MOST_STEPS, Moving, executed, moving_of, roll
 from irsim_gym.simulator.cell_paths.outline_room import PoseShape, room_at_pose
 from irsim_gym.simulator.paths.clearance import Obstacles
-from irsim_gym.simulator.world.names import ACKERMANN, State, kernel
+from irsim_gym.simulator.world.names import ACKERMANN, Record, State, kernel
 
 PARTS = 4
 """Number of speeds that are tried, each half of the previous one."""

@@ -4,7 +4,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from irsim_gym.base.arraytypes import Pose, Record
 from irsim_gym.bodies.behaviors.hybrid_astar.moves import SPIN, pose_after
 from irsim_gym.bodies.behaviors.hybrid_astar.queue import pose_of
 from irsim_gym.bodies.behaviors.hybrid_astar.tables import PoseWay
@@ -12,7 +11,7 @@ from irsim_gym.bodies.behaviors.pursuit.commands import STEEPEST, spin
 from irsim_gym.bodies.behaviors.pursuit.motion import Moving, executed
 from irsim_gym.bodies.behaviors.shared.steering import braked_rate
 from irsim_gym.simulator.geometry.angles import wrap_below
-from irsim_gym.simulator.world.names import ACKERMANN, kernel
+from irsim_gym.simulator.world.names import ACKERMANN, Pose, Record, kernel
 
 SETTLE, SETTLE_STEPS = 0.2, 5.0
 """Distance [m], or number of steps at its speed if that is more, within which a body returns to its path."""

@@ -4,14 +4,13 @@ from typing import Any, ClassVar, Literal
 
 import numpy as np
 
-from irsim_gym.base.arraytypes import CellMaps, Flags, Ints
 from irsim_gym.bodies.behaviors.hybrid_astar.drive import drive_poses
 from irsim_gym.bodies.behaviors.hybrid_astar.tables import PoseTables, forget_poses
 from irsim_gym.bodies.behaviors.pursuit.drive import is_under_way, mark_moving
 from irsim_gym.bodies.behaviors.shared.steering import clear_command
 from irsim_gym.scenario.specs.wander_goals import RenewsGoals
 from irsim_gym.simulator.paths.clearance import Obstacles, mark_standing
-from irsim_gym.simulator.world.names import Group, Model, Shard, State, kernel, kind, option
+from irsim_gym.simulator.world.names import Cells, Flags, Group, Ints, Model, Shard, State, kernel, kind, option
 
 
 @kind
@@ -27,12 +26,8 @@ class HybridAstar(RenewsGoals):
     kinematics: ClassVar[tuple[str, ...]] = ("diff", "acker")
     reads_neighbors: ClassVar[bool] = False
 
-    target_roles: Literal["all", "robot", "obstacle"] = option(
-        "all", meaning="Moving bodies that it stops for; bodies that stand are part of the map."
-    )
-    clearance: float = option(
-        0.1, gt=0.0, unit="m", meaning="Closer to obstacles than this, time costs more, up to three times as much."
-    )
+    target_roles: Literal["all", "robot", "obstacle"] = option("all", meaning="Which moving bodies it stops for.")
+    clearance: float = option(0.1, gt=0.0, unit="m", meaning="Closer to obstacles, time costs up to three times more.")
     cell: float | None = option(
         None,
         gt=0.0,
@@ -65,14 +60,7 @@ class HybridAstar(RenewsGoals):
 
 @kernel
 def drive_all_poses(
-    worlds: Ints,
-    slot: int,
-    members: Ints,
-    params: Any,
-    tables: PoseTables,
-    model: Model,
-    cells: CellMaps | None,
-    state: State,
+    worlds: Ints, slot: int, members: Ints, params: Any, tables: PoseTables, model: Model, cells: Cells, state: State
 ) -> None:
     """Write the commands of the members.
 

@@ -2,12 +2,10 @@
 
 import numpy as np
 
-from irsim_gym.base.arraytypes import Pose, Record, Records
-from irsim_gym.base.kernels.structs import record_type
 from irsim_gym.bodies.behaviors.local_planners.rollouts import place_at
 from irsim_gym.bodies.behaviors.pursuit.commands import STEEPEST
 from irsim_gym.bodies.behaviors.pursuit.motion import Moving
-from irsim_gym.simulator.world.names import ACKERMANN, DIFFERENTIAL, kernel
+from irsim_gym.simulator.world.names import ACKERMANN, DIFFERENTIAL, Pose, Record, Records, kernel, record_type
 
 N_HEADINGS = 72
 """Number of headings that the search tells apart."""

@@ -2,7 +2,6 @@
 
 import numpy as np
 
-from irsim_gym.base.arraytypes import BodyOutline, Pose, Record
 from irsim_gym.bodies.behaviors.hybrid_astar.last import Aim
 from irsim_gym.bodies.behaviors.hybrid_astar.moves import MOST_MOVES, lay_moves
 from irsim_gym.bodies.behaviors.hybrid_astar.queue import NOBODY, PoseMemory
@@ -13,9 +12,8 @@ from irsim_gym.simulator.cell_paths.outline_room import PoseShape, largest_disc,
 from irsim_gym.simulator.paths.clearance import Obstacles, way_is_free
 from irsim_gym.simulator.paths.geodesic import search_ways
 from irsim_gym.simulator.paths.grid import Grid, Search
-from irsim_gym.simulator.world.model import STATE, Model
-from irsim_gym.simulator.world.names import State, kernel, row_of
-from irsim_gym.simulator.world.outline import own_outline
+from irsim_gym.simulator.world.model import STATE
+from irsim_gym.simulator.world.names import BodyOutline, Model, Pose, Record, State, kernel, own_outline, row_of
 
 NEARER = 0.6
 """Share of the arrival threshold within which paths end."""

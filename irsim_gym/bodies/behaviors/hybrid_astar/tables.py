@@ -5,15 +5,13 @@ from typing import NamedTuple, Self
 
 import numpy as np
 
-from irsim_gym.base.arraytypes import Flags, Floats, Ints, Records
-from irsim_gym.base.kernels.structs import record_type
 from irsim_gym.bodies.behaviors.hybrid_astar.moves import MOST_MOVES, MOVE
 from irsim_gym.bodies.behaviors.hybrid_astar.queue import PoseMemory
 from irsim_gym.bodies.behaviors.pursuit.tables import WayGrid
 from irsim_gym.bodies.behaviors.shared.steering import commanded_by_rate
 from irsim_gym.simulator.cell_paths.outline_room import largest_disc
 from irsim_gym.simulator.world.model import Model
-from irsim_gym.simulator.world.names import Group, Struct, kernel, row_of
+from irsim_gym.simulator.world.names import Flags, Floats, Group, Ints, Records, Struct, kernel, record_type, row_of
 
 MOST_PIECES = 256
 """Maximum number of stored moves of a path; a longer path is planned again at their end."""

@@ -37,9 +37,7 @@ class Dwa(RenewsGoals):
         meaning="The path to follow: straight (to the goal), map (the shortest one around the map and all that never "
         "moves), or seen (a short one around what its own scans have shown).",
     )
-    path_clearance: float = option(
-        0.1, ge=0.0, unit="m", meaning="Distance of a path from obstacles, where there is room for it."
-    )
+    path_clearance: float = option(0.1, ge=0.0, unit="m", meaning="Distance of a path from obstacles, where possible.")
     memory: float = option(60.0, gt=0.0, unit="s", meaning="How long path seen remembers what a scan has shown.")
     lookahead: float = option(
         4.0,
@@ -56,21 +54,12 @@ class Dwa(RenewsGoals):
         "so that turns count.",
     )
     footprint_padding: float = option(
-        0.02,
-        ge=0.0,
-        unit="m",
-        meaning="Added to the footprint. A body that is nearer to something already may move if it gets no nearer.",
+        0.02, ge=0.0, unit="m", meaning="Added to the footprint. A body nearer already may move if it gets no nearer."
     )
     obstacle_range: float = option(2.5, gt=0.0, unit="m", meaning="Hits farther from the sensor are ignored.")
-    spacing: float = option(
-        0.02, ge=0.0, unit="m", meaning="A hit closer than this to that of the beam before is ignored."
-    )
-    inflation_radius: float = option(
-        0.5, ge=0.0, unit="m", meaning="Obstacles farther than this from the padded footprint cost nothing."
-    )
-    cost_scaling: float = option(
-        5.0, ge=0.0, unit="1/m", meaning="How fast the cost of obstacles falls with the distance."
-    )
+    spacing: float = option(0.02, ge=0.0, unit="m", meaning="A hit closer than this to the one before is ignored.")
+    inflation_radius: float = option(0.5, ge=0.0, unit="m", meaning="Obstacles farther away cost nothing.")
+    cost_scaling: float = option(5.0, ge=0.0, unit="1/m", meaning="How fast the cost of obstacles falls with distance.")
     path_weight: float = option(0.5, ge=0.0, meaning="Weight of the distance from the path.")
     goal_weight: float = option(1.0, ge=0.0, meaning="Weight of the rest of the path.")
     samples: tuple[int, int] = option(
@@ -80,26 +69,11 @@ class Dwa(RenewsGoals):
         consequence="Few: it swerves, or finds no way. Computing time grows with the product.",
     )
     sim_time: float = option(1.5, gt=0.0, le=60.0, unit="s", meaning="Duration of the ways that are compared.")
-    sim_granularity: float = option(
-        0.1, gt=0.0, unit="s", meaning="Time between the poses at which a way is compared with the scan."
-    )
-    free_time: float | None = option(
-        None, ge=0.0, unit="s", meaning="How long a way has to be free (default: a step and half of the time to stop)."
-    )
-    min_speed: float = option(
-        0.0,
-        unit="m/s",
-        meaning="Minimum speed of diff and acker, apart from turns on the spot; negative to drive backwards.",
-    )
-    escape_speed: float = option(
-        0.0, le=0.0, unit="m/s", meaning="Speed straight back when no way ahead is admissible; 0: it stands."
-    )
-    min_turn_rate: float = option(
-        0.5,
-        ge=0.0,
-        unit="rad/s",
-        meaning="Minimum turn rate of diff on the spot, or the highest that a step can reach.",
-    )
+    sim_granularity: float = option(0.1, gt=0.0, unit="s", meaning="Time between poses compared with the scan.")
+    free_time: float | None = option(None, ge=0.0, unit="s", meaning="How long a way must be free; default: by speed.")
+    min_speed: float = option(0.0, unit="m/s", meaning="Least speed of diff and acker ahead; below 0: backwards.")
+    escape_speed: float = option(0.0, le=0.0, unit="m/s", meaning="Speed back when no way is admissible; 0: none.")
+    min_turn_rate: float = option(0.5, ge=0.0, unit="rad/s", meaning="Least turn rate of diff on the spot.")
     oscillation_distance: float = option(
         0.25,
         ge=0.0,

@@ -19,8 +19,7 @@ from irsim_gym.bodies.behaviors.local_planners.task import (
 from irsim_gym.bodies.behaviors.local_planners.way import off_way
 from irsim_gym.bodies.behaviors.pursuit.motion import window_of
 from irsim_gym.bodies.behaviors.shared.steering import clear_command
-from irsim_gym.simulator.world.names import ACKERMANN, DIFFERENTIAL, Floats, Ints, Model, State, Struct, kernel
-from irsim_gym.simulator.world.own_scan import OwnScan
+from irsim_gym.simulator.world.names import ACKERMANN, DIFFERENTIAL, Floats, Ints, Model, OwnScan, State, Struct, kernel
 from irsim_gym.simulator.world.twist import Twist
 
 BOTH = 2

@@ -4,15 +4,13 @@ from typing import Any
 
 import numpy as np
 
-from irsim_gym.base.arraytypes import CellMaps, Ints, Point
 from irsim_gym.bodies.behaviors.local_planners.seen_way import find_seen_way, is_still_free, note_hit
 from irsim_gym.bodies.behaviors.local_planners.task import LocalTables
 from irsim_gym.bodies.behaviors.local_planners.way import ASTRAY, CELL, LocalWays, advance_on_way
 from irsim_gym.simulator.paths.clearance import Obstacles, mark_standing
 from irsim_gym.simulator.paths.geodesic import shortest_path
 from irsim_gym.simulator.paths.grid import Search
-from irsim_gym.simulator.world.names import Model, State, kernel, row_of
-from irsim_gym.simulator.world.own_scan import OwnScan, find_hits
+from irsim_gym.simulator.world.names import Cells, Ints, Model, OwnScan, Point, State, find_hits, kernel, row_of
 
 STRAIGHT, MAP, SEEN = 0, 1, 2
 """Kinds of paths, in the order of the option ``path``."""
@@ -24,7 +22,7 @@ SHARES = (1.0, 0.5, 0.0)
 
 @kernel
 def find_paths(
-    worlds: Ints, members: Ints, params: Any, scan: OwnScan, model: Model, cells: CellMaps | None, state: State,
+    worlds: Ints, members: Ints, params: Any, scan: OwnScan, model: Model, cells: Cells, state: State,
     tables: LocalTables,
 ) -> None:  # fmt: skip
     """Note what the scans show, and compute the paths of members whose goal is new or that cannot follow theirs.

@@ -5,11 +5,9 @@ All coordinates are in the body's present frame: x ahead, y to the left [m].
 
 import numpy as np
 
-from irsim_gym.base.arraytypes import BodyOutline, Floats, Record, Vector
-from irsim_gym.base.kernels import kernel
-from irsim_gym.base.kernels.structs import record_type
 from irsim_gym.bodies.behaviors.pursuit.motion import Moving
 from irsim_gym.simulator.geometry.overlap import is_round, point_outline_distance
+from irsim_gym.simulator.world.names import BodyOutline, Floats, Record, Vector, kernel, record_type
 from irsim_gym.simulator.world.twist import Twist, body_twist
 
 LANES = 16

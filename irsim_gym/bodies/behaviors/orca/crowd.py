@@ -9,12 +9,11 @@ from typing import NamedTuple, Self
 
 import numpy as np
 
-from irsim_gym.base.arraytypes import Flags, Floats, Ints, Records
 from irsim_gym.base.kernels.structs import Struct, record_type
 from irsim_gym.bodies.behaviors.orca.lines import DISC_LANES
 from irsim_gym.bodies.behaviors.shared.surroundings import Ego
 from irsim_gym.simulator.geometry.buckets import square_of
-from irsim_gym.simulator.world.names import Model, State, kernel, row_of
+from irsim_gym.simulator.world.names import Flags, Floats, Ints, Model, Records, State, kernel, row_of
 
 FEW = 32
 """Number of members up to which they are searched one by one."""

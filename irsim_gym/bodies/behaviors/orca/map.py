@@ -2,14 +2,13 @@
 
 import numpy as np
 
-from irsim_gym.base.arraytypes import Records
 from irsim_gym.bodies.behaviors.orca.lines import standing_plane
 from irsim_gym.bodies.behaviors.orca.neighbors import OrcaObstacles, put_in_order
 from irsim_gym.bodies.behaviors.orca.walls import add_edge, see_edge
 from irsim_gym.bodies.behaviors.shared.map_parts import map_discs, map_walls
 from irsim_gym.bodies.behaviors.shared.surroundings import Ego
 from irsim_gym.simulator.geometry.segments import point_segment_distance2
-from irsim_gym.simulator.world.names import Model, kernel
+from irsim_gym.simulator.world.names import Model, Records, kernel
 
 SIGHT = 3.0
 """Range of view for maps [m], which have many walls or discs, of which distant ones matter only later."""

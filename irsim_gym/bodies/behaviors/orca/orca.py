@@ -24,14 +24,10 @@ class OrcaGroup(RenewsGoals):
     neighborDist: float = option(15.0, ge=0.0, unit="m", meaning="Bodies farther away than this are not seen.")  # noqa: N815
     maxNeighbors: int = option(10, ge=0, meaning="Maximum number of bodies that are seen.")  # noqa: N815
     timeHorizon: float = option(20.0, gt=0.0, unit="s", meaning="Collisions with bodies later than this are ignored.")  # noqa: N815
-    timeHorizonObst: float = option(  # noqa: N815
-        10.0, gt=0.0, unit="s", meaning="Collisions with walls later than this are ignored."
-    )
+    timeHorizonObst: float = option(10.0, gt=0.0, unit="s", meaning="The same for walls.")  # noqa: N815
     safe_radius: float = option(0.1, ge=0.0, unit="m", meaning="Distance added around each body.")
     maxSpeed: float | None = option(None, gt=0.0, unit="m/s", meaning="Maximum speed; by default the drive's.")  # noqa: N815
-    sidestep: bool = option(
-        False, meaning="A body that others hold up wants to go to its right, so that none wait for each other for ever."
-    )
+    sidestep: bool = option(False, meaning="A body that others hold up wants to its right, lest all wait for ever.")
 
     @staticmethod
     def prepare(group: Group, model: Model, n_slots: int) -> None:

@@ -5,7 +5,6 @@ from typing import Any
 
 import numpy as np
 
-from irsim_gym.base.arraytypes import Ints, Records, Vector
 from irsim_gym.bodies.behaviors.orca.crowd import Crowd, find_nearest, sort_members
 from irsim_gym.bodies.behaviors.orca.lines import HALF, LANES, Other, disc_plane, disc_planes, standing_plane
 from irsim_gym.bodies.behaviors.orca.map import SIGHT, add_map
@@ -14,7 +13,7 @@ from irsim_gym.bodies.behaviors.orca.walls import add_edge, see_edge
 from irsim_gym.bodies.behaviors.shared.steering import Turning, goal_offset, to_command
 from irsim_gym.bodies.behaviors.shared.surroundings import Ego
 from irsim_gym.simulator.geometry.linear_program import choose, set_plane
-from irsim_gym.simulator.world.names import DIFFERENTIAL, Model, State, Struct, kernel, row_of
+from irsim_gym.simulator.world.names import DIFFERENTIAL, Ints, Model, Records, State, Struct, Vector, kernel, row_of
 
 AT_GOAL = 0.1
 """Distance from its goal below which an omnidirectional body prefers to stand still [m]."""

@@ -2,12 +2,11 @@
 
 import numpy as np
 
-from irsim_gym.base.arraytypes import Point, Record
 from irsim_gym.bodies.behaviors.pursuit.formulas import arc_curvature, regulated_speed
 from irsim_gym.bodies.behaviors.pursuit.motion import Command, Moving, executed
 from irsim_gym.bodies.behaviors.shared.steering import braked_rate
 from irsim_gym.simulator.geometry.angles import wrap_below
-from irsim_gym.simulator.world.names import ACKERMANN, DIFFERENTIAL, OMNI_ANGULAR, OMNI_WORLD, kernel
+from irsim_gym.simulator.world.names import ACKERMANN, DIFFERENTIAL, OMNI_ANGULAR, OMNI_WORLD, Point, Record, kernel
 
 STEEPEST = 1.5
 """Steering angles are taken to be smaller than this [rad]; near a quarter turn, the tangent has no bound."""

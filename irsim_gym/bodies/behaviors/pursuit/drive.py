@@ -1,6 +1,5 @@
 """Drives one body in pursuit: whether it has to drive, its obstacles, and its command."""
 
-from irsim_gym.base.arraytypes import Flags, Record
 from irsim_gym.bodies.behaviors.pursuit.commands import spin
 from irsim_gym.bodies.behaviors.pursuit.follow import Course, follow
 from irsim_gym.bodies.behaviors.pursuit.motion import moving_of
@@ -9,7 +8,7 @@ from irsim_gym.bodies.behaviors.shared.surroundings import is_seen
 from irsim_gym.simulator.geometry.angles import wrap_below
 from irsim_gym.simulator.paths.clearance import Obstacles
 from irsim_gym.simulator.world.model import DIFFERENTIAL, OMNI_ANGULAR, STATE, Model
-from irsim_gym.simulator.world.names import State, kernel, row_of
+from irsim_gym.simulator.world.names import Flags, Record, State, kernel, row_of
 
 
 @kernel

@@ -4,7 +4,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from irsim_gym.base.arraytypes import Floats, Point, Record
 from irsim_gym.bodies.behaviors.pursuit.commands import braking_command, command_to, turn_command
 from irsim_gym.bodies.behaviors.pursuit.formulas import lookahead_distance
 from irsim_gym.bodies.behaviors.pursuit.motion import Command, Moving, can_stop
@@ -12,7 +11,7 @@ from irsim_gym.bodies.behaviors.pursuit.tables import TIGHT
 from irsim_gym.bodies.behaviors.pursuit.way import WINDOW, place_on_way, point_at_distance, remaining_length
 from irsim_gym.simulator.geometry.angles import wrap_below
 from irsim_gym.simulator.paths.clearance import Obstacles, room_at, way_is_free
-from irsim_gym.simulator.world.names import ACKERMANN, DIFFERENTIAL, kernel
+from irsim_gym.simulator.world.names import ACKERMANN, DIFFERENTIAL, Floats, Point, Record, kernel
 
 TRIES = 5
 """Number of points ahead that are tried, each half as far away as the previous one."""

@@ -5,14 +5,13 @@ from typing import Any, ClassVar, Literal
 
 import numpy as np
 
-from irsim_gym.base.arraytypes import CellMaps, Flags, Ints
 from irsim_gym.bodies.behaviors.pursuit.drive import is_under_way, mark_moving, pursue
 from irsim_gym.bodies.behaviors.pursuit.seen import pursue_seen
 from irsim_gym.bodies.behaviors.pursuit.tables import PursuitTables, forget_ways
 from irsim_gym.bodies.behaviors.shared.steering import clear_command
 from irsim_gym.scenario.specs.wander_goals import RenewsGoals
 from irsim_gym.simulator.paths.clearance import Obstacles, mark_standing
-from irsim_gym.simulator.world.names import Group, Model, Shard, State, kernel, kind, option
+from irsim_gym.simulator.world.names import Cells, Flags, Group, Ints, Model, Shard, State, kernel, kind, option
 
 
 @kind
@@ -32,14 +31,10 @@ class Pursuit(RenewsGoals):
         "all", meaning="Which other bodies that move it stops for; all that stand are on the map."
     )
     known: Literal["all", "seen"] = option(
-        "all",
-        meaning="What it knows: all that stands, or what its own scans have shown, with unknown space taken as free.",
+        "all", meaning="What it knows: all that stands, or what its scans have shown, the rest taken as free."
     )
     clearance: float = option(
-        0.1,
-        ge=0.0,
-        unit="m",
-        meaning="Distance that the way keeps from obstacles; half, a quarter or nothing of it where no way does.",
+        0.1, ge=0.0, unit="m", meaning="Distance of the way from obstacles; half, a quarter or none where none has it."
     )
     cell: float | None = option(
         None,
@@ -49,26 +44,16 @@ class Pursuit(RenewsGoals):
         consequence="Large: ways through narrow gaps are missed.",
     )
     speed: float | None = option(None, gt=0.0, unit="m/s", meaning="Maximum speed; by default the drive's.")
-    lookahead_time: float = option(
-        0.6, ge=0.0, unit="s", meaning="The point aimed at is as far ahead as the body drives in this time."
-    )
+    lookahead_time: float = option(0.6, ge=0.0, unit="s", meaning="It aims at a point this much driving ahead.")
     lookahead_min: float = option(0.3, gt=0.0, unit="m", meaning="Minimum distance of that point.")
     lookahead_max: float | None = option(None, gt=0.0, unit="m", meaning="Maximum distance of that point.")
-    min_radius: float = option(
-        0.5, ge=0.0, unit="m", meaning="Curves of a smaller radius are driven slower, in proportion to the radius."
-    )
-    proximity: float = option(
-        0.1, ge=0.0, unit="m", meaning="Nearer to an obstacle it drives slower, in proportion to the distance."
-    )
+    min_radius: float = option(0.5, ge=0.0, unit="m", meaning="Curves below this radius are driven slower.")
+    proximity: float = option(0.1, ge=0.0, unit="m", meaning="Nearer to an obstacle it is slower, in proportion.")
     proximity_gain: float = option(1.0, gt=0.0, le=1.0, meaning="Factor of that: the lower the slower.")
     min_speed: float = option(0.25, ge=0.0, unit="m/s", meaning="Curves and obstacles never slow it below this.")
-    approach: float = option(
-        0.6, ge=0.0, unit="m", meaning="From here on it slows down for the goal, in proportion to what is left."
-    )
+    approach: float = option(0.6, ge=0.0, unit="m", meaning="Nearer to the goal it is slower, in proportion.")
     approach_speed: float = option(0.05, ge=0.0, unit="m/s", meaning="Minimum speed at the goal.")
-    turn_angle: float = option(
-        0.785, gt=0.0, unit="rad", meaning="A differential drive turns on the spot for a point ahead beyond this angle."
-    )
+    turn_angle: float = option(0.785, gt=0.0, unit="rad", meaning="Beyond this angle a diff turns on the spot.")
 
     def further_problems(self) -> Iterator[tuple[str, str]]:
         """Yield key and message of invalid or conflicting options."""
@@ -110,14 +95,7 @@ class Pursuit(RenewsGoals):
 
 @kernel
 def pursue_known(
-    worlds: Ints,
-    slot: int,
-    members: Ints,
-    params: Any,
-    tables: PursuitTables,
-    model: Model,
-    cells: CellMaps | None,
-    state: State,
+    worlds: Ints, slot: int, members: Ints, params: Any, tables: PursuitTables, model: Model, cells: Cells, state: State
 ) -> None:
     """Write the commands of bodies that know all that stands.
 

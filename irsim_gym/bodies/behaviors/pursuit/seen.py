@@ -10,8 +10,7 @@ from irsim_gym.bodies.behaviors.pursuit.way import place_on_way
 from irsim_gym.bodies.behaviors.shared.steering import clear_command
 from irsim_gym.simulator.paths.clearance import Obstacles, room_at, way_is_free
 from irsim_gym.simulator.paths.points import PointMap, add_point, forget_points, points_of
-from irsim_gym.simulator.world.names import Floats, Ints, Model, State, kernel, row_of
-from irsim_gym.simulator.world.own_scan import OwnScan, find_hits
+from irsim_gym.simulator.world.names import Floats, Ints, Model, OwnScan, State, find_hits, kernel, row_of
 
 
 @kernel

@@ -5,13 +5,12 @@ from typing import NamedTuple, Self
 
 import numpy as np
 
-from irsim_gym.base.arraytypes import Bytes, Flags, Floats, Ints, Point
 from irsim_gym.bodies.behaviors.shared.steering import commanded_by_rate
 from irsim_gym.simulator.paths.clearance import Obstacles, room_at, way_is_free
 from irsim_gym.simulator.paths.geodesic import shortest_path
 from irsim_gym.simulator.paths.grid import Grid, Search
 from irsim_gym.simulator.paths.points import PointMap, forget_points
-from irsim_gym.simulator.world.names import Group, Model, Struct, kernel
+from irsim_gym.simulator.world.names import Bytes, Flags, Floats, Group, Ints, Model, Point, Struct, kernel
 
 MOST_POINTS = 256
 """Maximum number of stored points of a path; a longer path is planned again at their end."""

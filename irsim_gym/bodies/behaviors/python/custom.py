@@ -12,8 +12,8 @@ from irsim_gym.base.options import kind, kind_of_function, option
 from irsim_gym.base.registry import Registry
 from irsim_gym.bodies.behaviors.python.views import EgoView, ego_view, name_of, others, reserve_memory, tell_missing
 from irsim_gym.scenario.specs.wander_goals import RenewsGoals
-from irsim_gym.simulator.world.model import NO_DRIVE, OBSTACLE, OMNI_ANGULAR, ROBOT, Model
-from irsim_gym.simulator.world.names import Floats, Group, Shard, State
+from irsim_gym.simulator.world.model import NO_DRIVE, OBSTACLE
+from irsim_gym.simulator.world.names import OMNI_ANGULAR, ROBOT, Floats, Group, Model, Shard, State
 
 # In the order of the option's choices; -1 stands for every role.
 ROLES = (-1, ROBOT, OBSTACLE)

@@ -11,8 +11,7 @@ from irsim_gym.base.errors import UnknownNameError
 from irsim_gym.simulator.readings.irsim_names import advice, missing
 from irsim_gym.simulator.readings.irsim_readings import IrSimReadings
 from irsim_gym.simulator.world.arrays import A
-from irsim_gym.simulator.world.group import Group, WorldContext, find_sensor
-from irsim_gym.simulator.world.names import Floats, Ints, Model, State, row_of
+from irsim_gym.simulator.world.names import Floats, Group, Ints, Model, State, WorldContext, find_sensor, row_of
 
 
 class BodyView(IrSimReadings):

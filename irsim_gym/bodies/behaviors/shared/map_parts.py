@@ -2,9 +2,8 @@
 
 import numpy as np
 
-from irsim_gym.base.arraytypes import Bytes, CellMaps, Floats
 from irsim_gym.simulator.cell_maps.cells import cell_range
-from irsim_gym.simulator.world.names import Model, kernel, row_of
+from irsim_gym.simulator.world.names import Bytes, CellMaps, Floats, Model, kernel, row_of
 
 
 def most_map_walls(model: Model, threshold: float) -> int:

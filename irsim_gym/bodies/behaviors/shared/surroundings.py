@@ -6,12 +6,10 @@ from typing import NamedTuple, Self
 import numpy as np
 
 from irsim_gym.base.arraytypes import Floats, Ints, Point, Record, Records
-from irsim_gym.base.kernels.structs import Struct, record_type
 from irsim_gym.bodies.behaviors.shared.map_parts import map_discs, map_walls
 from irsim_gym.simulator.geometry.buckets import find_nearby
 from irsim_gym.simulator.geometry.overlap import point_outline_distance
-from irsim_gym.simulator.world.names import Model, State, kernel, row_of
-from irsim_gym.simulator.world.outline import outline_of
+from irsim_gym.simulator.world.names import Model, State, Struct, kernel, outline_of, record_type, row_of
 
 MARGIN = 0.1
 """Added to the radius of every disc [m], as in IR-SIM."""

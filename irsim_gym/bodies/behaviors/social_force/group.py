@@ -33,12 +33,8 @@ class SocialForceGroup(SocialForces):
         None, ge=0.0, unit="m", meaning="A member closer than this is too near; default: when the bodies touch."
     )
     force_factor_gaze: float = option(3.0, ge=0.0, meaning="Weight of the force that keeps the others in sight.")
-    gaze_vision_angle: float = option(
-        90.0, gt=0.0, le=180.0, unit="deg", meaning="The others are in sight up to this angle from the way ahead."
-    )
-    interaction_range: float = option(
-        1.0, gt=0.0, unit="m", meaning="With interaction: circular, gap over which a push fades."
-    )
+    gaze_vision_angle: float = option(90.0, gt=0.0, le=180.0, unit="deg", meaning="Others are seen up to this angle.")
+    interaction_range: float = option(1.0, gt=0.0, unit="m", meaning="With circular interaction, reach of a push.")
 
     def further_problems(self) -> Iterator[tuple[str, str]]:
         """Yield key and message of invalid or conflicting options."""

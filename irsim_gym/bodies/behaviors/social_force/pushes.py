@@ -8,13 +8,11 @@ from typing import Any
 
 import numpy as np
 
-from irsim_gym.base.arraytypes import Vector
 from irsim_gym.bodies.behaviors.shared import surroundings
 from irsim_gym.bodies.behaviors.shared.steering import Turning, to_command
 from irsim_gym.bodies.behaviors.social_force import walls
 from irsim_gym.simulator.geometry.overlap import point_outline_distance
-from irsim_gym.simulator.world.names import Model, State, kernel, row_of
-from irsim_gym.simulator.world.outline import outline_of
+from irsim_gym.simulator.world.names import Model, State, Vector, kernel, outline_of, row_of
 
 CIRCULAR = 1
 """``interaction: circular``."""

@@ -19,9 +19,7 @@ class SocialForces(RenewsGoals):
     kinematics: ClassVar[tuple[str, ...]] = ("diff", "omni")
     reads_neighbors: ClassVar[bool] = True
 
-    target_roles: Literal["all", "robot", "obstacle"] = option(
-        "all", meaning="Which other bodies are avoided; for a group, those outside of it."
-    )
+    target_roles: Literal["all", "robot", "obstacle"] = option("all", meaning="Which other bodies are avoided.")
     vmax: float = option(1.5, gt=0.0, unit="m/s", meaning="Desired and maximum speed.")
     neighbor_threshold: float = option(10.0, ge=0.0, unit="m", meaning="Bodies farther away than this are not seen.")
     relaxation_time: float = option(0.5, gt=0.0, unit="s", meaning="Time in which the desired velocity is taken up.")
@@ -46,9 +44,7 @@ class SocialForce(SocialForces):
     """Follow the sum of a pull to the goal and pushes from bodies and walls."""
 
     # Not in the base: Numba takes a record that begins as another does for one of its kind.
-    interaction_range: float = option(
-        1.0, gt=0.0, unit="m", meaning="With interaction: circular, gap over which a push fades."
-    )
+    interaction_range: float = option(1.0, gt=0.0, unit="m", meaning="With circular interaction, reach of a push.")
 
     @staticmethod
     def prepare(group: Group, model: Model, n_slots: int) -> None:

@@ -9,11 +9,10 @@ from typing import Any, Self
 import numpy as np
 
 from irsim_gym.base.arraytypes import BodyOutline, Flags, Floats, Ints, Point, Record, Records, Vector
-from irsim_gym.base.kernels.structs import Struct, record_type
 from irsim_gym.bodies.behaviors.shared.map_parts import map_discs, map_walls, most_map_discs, most_map_walls
 from irsim_gym.bodies.behaviors.shared.surroundings import MARGIN, is_seen, wall_bodies
 from irsim_gym.simulator.geometry.segments import side
-from irsim_gym.simulator.world.names import Group, Model, State, kernel, row_of
+from irsim_gym.simulator.world.names import Group, Model, State, Struct, kernel, record_type, row_of
 
 FADED = 5.0
 """Walls farther away than this many decay lengths do not push."""

@@ -5,15 +5,13 @@ from typing import ClassVar, NamedTuple
 
 import numpy as np
 
-from irsim_gym.base.arraytypes import CellMaps, Floats, Ints, Rays
 from irsim_gym.simulator.cell_maps.cells import segment_cells_distance
 from irsim_gym.simulator.cell_maps.world_maps import map_of
-from irsim_gym.simulator.world.rows import row_of
+from irsim_gym.simulator.world.names import Cells, Floats, Ints, Model, Rays, Shard, State, Struct, kernel, kind, row_of
 from irsim_gym.tasks.observations.bodies.nearest_bodies import span
 from irsim_gym.tasks.observations.scan.free_travel import ObservesTravel, directions, shorten, way_columns
 from irsim_gym.tasks.observations.scan.ranges import encode, range_code
-from irsim_gym.tasks.terms import Columns, EpisodeState, Model, Shard, Simulation, State, Struct, kernel, kind
-from irsim_gym.tasks.terms.term import Bound, Needs, Term
+from irsim_gym.tasks.terms import Bound, Columns, EpisodeState, Needs, Simulation, Term
 
 NEAR_ENOUGH = 0.01
 """Gap [m] below which a disc counts as touching a map's occupied cells."""
@@ -75,13 +73,7 @@ class ExactFreeTravel(ObservesTravel):
 
 @kernel
 def write_ways(
-    worlds: Ints,
-    term: Bound,
-    ways: Directions,
-    model: Model,
-    cells: CellMaps | None,
-    state: State,
-    episode: EpisodeState,
+    worlds: Ints, term: Bound, ways: Directions, model: Model, cells: Cells, state: State, episode: EpisodeState
 ) -> None:
     """Write the encoded free distance in each direction.
 
@@ -164,7 +156,7 @@ def stop_at_segment(segment: Floats, place: Place, far: float, ways: Directions,
 
 
 @kernel
-def stop_at_cells(cells: CellMaps | None, w: int, place: Place, ways: Directions, row: Rays) -> None:
+def stop_at_cells(cells: Cells, w: int, place: Place, ways: Directions, row: Rays) -> None:
     """Shorten the distances that the map of world w limits; each step is as long as the clearance allows.
 
     Reads: ways (ahead_x, ahead_y).

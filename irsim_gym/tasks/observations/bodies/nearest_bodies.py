@@ -5,7 +5,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from irsim_gym.base.arraytypes import CellMaps, Floats, Ints, Rays
+from irsim_gym.base.arraytypes import Cells, Floats, Ints, Rays
 from irsim_gym.simulator.cell_maps.cells import nearest_cell_point
 from irsim_gym.simulator.cell_maps.world_maps import map_of
 from irsim_gym.simulator.engine import Simulation
@@ -139,7 +139,7 @@ def write_nearest(
     term: Bound,
     nearest: Nearest,
     model: Model,
-    cells: CellMaps | None,
+    cells: Cells,
     state: State,
     episode: EpisodeState,
 ) -> None:

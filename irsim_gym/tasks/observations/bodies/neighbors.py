@@ -5,12 +5,10 @@ from typing import ClassVar
 
 import numpy as np
 
-from irsim_gym.base.arraytypes import Floats, Ints, Rays
+from irsim_gym.simulator.world.names import Floats, Ints, Model, Rays, Shard, State, Struct, kernel, kind, option
 from irsim_gym.simulator.world.rows import row_of
 from irsim_gym.tasks.observations.bodies.nearest_bodies import moving
-from irsim_gym.tasks.terms import Columns, EpisodeState, Model, Shard, Simulation, State, Struct, kernel, kind, option
-from irsim_gym.tasks.terms.mirrored import Mirrored, signed
-from irsim_gym.tasks.terms.scaling import diagonal, unit
+from irsim_gym.tasks.terms import Columns, EpisodeState, Mirrored, Simulation, diagonal, signed, unit
 from irsim_gym.tasks.terms.term import Bound, Needs, Term
 
 WIDTH = 6

@@ -51,9 +51,7 @@ class ObservesTimes:
     speeds: int = option(1, ge=1, le=16, meaning="Number of speeds in each direction, up to ``speed``, evenly spaced.")
     speed: float | None = option(None, gt=0.0, unit="m/s", meaning="Maximum speed; default: the agent's own.")
     horizon: float = option(5.0, gt=0.0, unit="s", meaning="Maximum time; later collisions are ignored.")
-    range: float | None = option(
-        None, gt=0.0, unit="m", meaning="Bodies whose surface is farther from the agent's origin are not seen."
-    )
+    range: float | None = option(None, gt=0.0, unit="m", meaning="Bodies farther from the agent's origin are not seen.")
     margin: float = option(0.0, ge=0.0, unit="m", meaning="Added to the radius of the disc around the agent.")
 
     def velocities(self, model: Model, agents: Ints) -> Velocities:

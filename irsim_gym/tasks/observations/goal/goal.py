@@ -4,13 +4,10 @@ from typing import ClassVar
 
 import numpy as np
 
-from irsim_gym.base.arraytypes import Ints, Rays
 from irsim_gym.simulator.geometry.angles import turned
+from irsim_gym.simulator.world.names import Ints, Model, Rays, Shard, State, kernel, kind, option
 from irsim_gym.tasks.observations.seen_map.way_columns import write_direction
-from irsim_gym.tasks.terms import Bound, Columns, EpisodeState, Model, Shard, State, Term, kernel, kind, option
-from irsim_gym.tasks.terms.graph import RobotValues, Value
-from irsim_gym.tasks.terms.mirrored import Mirrored, signed
-from irsim_gym.tasks.terms.scaling import diagonal
+from irsim_gym.tasks.terms import Bound, Columns, EpisodeState, Mirrored, RobotValues, Term, Value, diagonal, signed
 from irsim_gym.tasks.terms.term import Needs
 
 
@@ -24,9 +21,7 @@ class Goal:
     needs_goal: ClassVar[bool] = True
     needs: ClassVar[Needs] = ("odometry",)
 
-    scale: float | None = option(
-        None, gt=0.0, unit="m", meaning="Distance that reads 1; default: the world's diagonal."
-    )
+    scale: float | None = option(None, gt=0.0, unit="m", meaning="Distance that reads 1; default: world's diagonal.")
     near: float = option(1.0, gt=0.0, unit="m", meaning="Distance over which the near term falls to 1/e.")
 
     def bounds(self, term: Term, model: Model) -> tuple[Rays, Rays]:

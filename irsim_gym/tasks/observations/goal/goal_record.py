@@ -5,10 +5,8 @@ from typing import ClassVar
 
 import numpy as np
 
-from irsim_gym.base.arraytypes import Floats, Ints, Rays
-from irsim_gym.tasks.terms import Columns, EpisodeState, Model, Shard, Simulation, State, Struct, kernel, kind, option
-from irsim_gym.tasks.terms.graph import RobotValues, Value
-from irsim_gym.tasks.terms.mirrored import Mirrored, unchanged
+from irsim_gym.simulator.world.names import Floats, Ints, Model, Rays, Shard, State, Struct, kernel, kind, option
+from irsim_gym.tasks.terms import Columns, EpisodeState, Mirrored, RobotValues, Simulation, Value, unchanged
 from irsim_gym.tasks.terms.term import Bound, Needs, Term, forget
 
 

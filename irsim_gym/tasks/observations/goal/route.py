@@ -5,18 +5,15 @@ from typing import ClassVar
 
 import numpy as np
 
-from irsim_gym.base.arraytypes import Bytes, CellMaps, Flags, Floats, Ints, Point, Rays, Spans
+from irsim_gym.base.arraytypes import Bytes, Cells, Flags, Floats, Ints, Point, Rays, Spans
 from irsim_gym.simulator.geometry.angles import turned
 from irsim_gym.simulator.paths.clearance import Obstacles, mark_standing
 from irsim_gym.simulator.paths.geodesic import search_ways
 from irsim_gym.simulator.paths.grid import Grid, Search, centre
 from irsim_gym.simulator.paths.spread import PARENT
-from irsim_gym.simulator.world.rows import row_of
+from irsim_gym.simulator.world.names import Model, Shard, State, Struct, kernel, kind, option, row_of
 from irsim_gym.tasks.observations.seen_map.way_columns import ObservesWay, way_columns, write_direction
-from irsim_gym.tasks.terms import EpisodeState, Model, Shard, Simulation, State, Struct, kernel, kind, option
-from irsim_gym.tasks.terms.scaling import diagonal, unit
-from irsim_gym.tasks.terms.term import Bound, Needs, Term, forget
-from irsim_gym.tasks.terms.words import Columns
+from irsim_gym.tasks.terms import Bound, Columns, EpisodeState, Needs, Simulation, Term, diagonal, forget, unit
 
 CELL = 0.1
 """Default cell size [m], if the world is small enough."""
@@ -63,9 +60,7 @@ class Route(ObservesWay):
     needs: ClassVar[Needs] = ("map_frame", "bodies")
 
     ahead: float = option(1.0, gt=0.0, unit="m", meaning="Distance of the point along the path.")
-    cell: float | None = option(
-        None, gt=0.0, unit="m", meaning="Cell size; default: 0.1 m, or a 200th of the world's longer side."
-    )
+    cell: float | None = option(None, gt=0.0, unit="m", meaning="Cell size; default: 0.1 m, or a 200th of the world.")
 
     def arrays(self, simulation: Simulation, agents: Ints) -> RouteWays:
         """Return the paths, and scratch memory."""
@@ -103,9 +98,7 @@ class Route(ObservesWay):
 
 
 @kernel
-def find_ways(
-    worlds: Ints, slot: int, agents: Ints, ways: RouteWays, model: Model, cells: CellMaps | None, state: State
-) -> None:
+def find_ways(worlds: Ints, slot: int, agents: Ints, ways: RouteWays, model: Model, cells: Cells, state: State) -> None:
     """Compute the paths to new goals: the next cell and the length of the path for each free cell.
 
     Reads: ways (blocked, blocks, field, grid, queue, target), model (present, reach, stands, unobstructed), state

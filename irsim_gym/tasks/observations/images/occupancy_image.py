@@ -4,11 +4,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from irsim_gym.base.arraytypes import Bytes, CellMaps, Floats, Ints
+from irsim_gym.base.arraytypes import Bytes, Cells, Floats, Ints
 from irsim_gym.rendering.raster.areas import add_disc
 from irsim_gym.rendering.raster.sheets import paint
-from irsim_gym.simulator.engine import Simulation
-from irsim_gym.simulator.world.model import ROBOT, Model
+from irsim_gym.simulator.world.names import ROBOT, Model, Shard, State, Struct, kernel, kind, option, row_of
 from irsim_gym.tasks.observations.images.painting import (
     Canvas,
     Paints,
@@ -23,8 +22,7 @@ from irsim_gym.tasks.observations.images.painting import (
     view_from,
 )
 from irsim_gym.tasks.observations.images.scan_painting import ScanBeams, beams_of, paint_scan
-from irsim_gym.tasks.terms import Bound, Columns, EpisodeState, Shard, State, Struct, Term, kernel, kind, option, row_of
-from irsim_gym.tasks.terms.term import Needs
+from irsim_gym.tasks.terms import Bound, Columns, EpisodeState, Needs, Simulation, Term
 
 LEAST_GOAL = 1.5
 """Minimum radius of the goal's disc [pixel]."""
@@ -98,14 +96,7 @@ class OccupancyImage(SquareImage):
 
 @kernel
 def paint_occupied(
-    worlds: Ints,
-    slot: int,
-    term: Bound,
-    paints: Paints,
-    model: Model,
-    cells: CellMaps | None,
-    state: State,
-    image: Bytes,
+    worlds: Ints, slot: int, term: Bound, paints: Paints, model: Model, cells: Cells, state: State, image: Bytes
 ) -> None:
     """Clear the images, and paint occupied space into their first channel.
 

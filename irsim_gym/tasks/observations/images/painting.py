@@ -9,7 +9,7 @@ from typing import NamedTuple, Self
 
 import numpy as np
 
-from irsim_gym.base.arraytypes import Bytes, CellMap, CellMaps, Floats, Ints, Point, Rays
+from irsim_gym.base.arraytypes import Bytes, CellMap, Cells, Floats, Ints, Point, Rays
 from irsim_gym.rendering.raster.areas import add_disc
 from irsim_gym.rendering.raster.sheets import add_edge, new_sheet, note, scan_edge
 from irsim_gym.simulator.cell_maps.world_maps import map_of
@@ -26,9 +26,7 @@ LINE = 1.5
 class SquareImage:
     """What square images around an agent have in common."""
 
-    pixels: int = option(
-        64, ge=8, le=1024, unit="pixel", meaning="Height and width; Stable-Baselines3 needs at least 36."
-    )
+    pixels: int = option(64, ge=8, le=1024, unit="pixel", meaning="Height and width; Stable-Baselines3 needs 36.")
     metres: float = option(8.0, gt=0.0, unit="m", meaning="Height and width of the area shown.")
     rotated: bool = option(True, meaning="The agent's heading points up; otherwise the world's y axis does.")
     goal_channel: bool = option(True, meaning="Show the next goal in a separate channel, the last one.")
@@ -209,7 +207,7 @@ def add_rectangle(canvas: Canvas, lower_left: Point, upper_right: Point) -> None
 
 
 @kernel
-def add_cells(canvas: Canvas, cells: CellMaps | None, w: int) -> None:
+def add_cells(canvas: Canvas, cells: Cells, w: int) -> None:
     """Add the occupied cells of the map of world w to a sheet."""
     if cells is not None:
         view, box = canvas.camera, canvas.box

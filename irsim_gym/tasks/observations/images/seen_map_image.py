@@ -6,8 +6,8 @@ from typing import ClassVar
 
 import numpy as np
 
-from irsim_gym.base.arraytypes import Bytes, Ints, Labels
 from irsim_gym.simulator.cell_paths.scan_marks import OCCUPIED, UNKNOWN
+from irsim_gym.simulator.world.names import Bytes, Ints, Labels, Model, Shard, State, Struct, kernel, kind
 from irsim_gym.tasks.observations.images.occupancy_image import paint_goal, view_of
 from irsim_gym.tasks.observations.images.painting import Paints, SquareImage
 from irsim_gym.tasks.observations.images.scan_painting import UNKNOWN as NOT_SEEN
@@ -21,8 +21,7 @@ from irsim_gym.tasks.observations.seen_map.seen_grid import (
     note_all,
     shared_map,
 )
-from irsim_gym.tasks.terms import Columns, EpisodeState, Model, Shard, Simulation, State, Struct, kernel, kind
-from irsim_gym.tasks.terms.term import Bound, Needs, Term
+from irsim_gym.tasks.terms import Bound, Columns, EpisodeState, Needs, Simulation, Term
 
 SHADES = np.array([NOT_SEEN, *[255] * int(OCCUPIED), 0, *[255] * int(OCCUPIED)], np.uint8)
 """Value of a pixel by the state of its cell."""

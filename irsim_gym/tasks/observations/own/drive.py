@@ -6,9 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from irsim_gym.base.families import KINEMATICS
-from irsim_gym.tasks.terms import Columns, EpisodeState, Ints, Model, Rays, Shard, Simulation, State, Term, kernel, kind
-from irsim_gym.tasks.terms.graph import RobotValues, Value
-from irsim_gym.tasks.terms.mirrored import Mirrored, unchanged
+from irsim_gym.simulator.world.names import Ints, Model, Rays, Shard, State, kernel, kind
+from irsim_gym.tasks.terms import Columns, EpisodeState, Mirrored, RobotValues, Simulation, Term, Value, unchanged
 from irsim_gym.tasks.terms.term import Needs
 
 

@@ -4,9 +4,8 @@ from typing import ClassVar
 
 import numpy as np
 
-from irsim_gym.tasks.terms import Columns, EpisodeState, Ints, Model, Rays, Shard, State, Term, kernel, kind
-from irsim_gym.tasks.terms.mirrored import Mirrored, unchanged
-from irsim_gym.tasks.terms.term import Needs
+from irsim_gym.simulator.world.names import Ints, Model, Rays, Shard, State, kernel, kind
+from irsim_gym.tasks.terms import Columns, EpisodeState, Mirrored, Needs, Term, unchanged
 
 
 @kind

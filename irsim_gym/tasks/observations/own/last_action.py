@@ -4,11 +4,8 @@ from typing import ClassVar
 
 import numpy as np
 
-from irsim_gym.base.arraytypes import Flags, Ints, Rays
-from irsim_gym.tasks.terms import Columns, EpisodeState, Model, Shard, State, Term, kernel, kind
-from irsim_gym.tasks.terms.graph import RobotValues, Value
-from irsim_gym.tasks.terms.mirrored import Mirrored, command_exchanged
-from irsim_gym.tasks.terms.term import Needs
+from irsim_gym.simulator.world.names import Flags, Ints, Model, Rays, Shard, State, kernel, kind
+from irsim_gym.tasks.terms import Columns, EpisodeState, Mirrored, Needs, RobotValues, Term, Value, command_exchanged
 
 
 @kind

@@ -5,10 +5,8 @@ from typing import ClassVar
 import numpy as np
 
 from irsim_gym.simulator.world.model import OMNI_ANGULAR, OMNI_BODY, OMNI_WORLD, Model
-from irsim_gym.tasks.terms import Columns, EpisodeState, Ints, Rays, Shard, State, Term, kernel, kind, row_of
-from irsim_gym.tasks.terms.graph import RobotValues, Value
-from irsim_gym.tasks.terms.mirrored import Mirrored, unchanged
-from irsim_gym.tasks.terms.term import Needs
+from irsim_gym.simulator.world.names import Ints, Rays, Shard, State, kernel, kind, row_of
+from irsim_gym.tasks.terms import Columns, EpisodeState, Mirrored, Needs, RobotValues, Term, Value, unchanged
 
 WIDTH = 8
 HALF_RADIUS, HALF_STEP = 0.5, 0.1

@@ -4,11 +4,9 @@ from typing import ClassVar
 
 import numpy as np
 
-from irsim_gym.base.arraytypes import Flags, Floats, Ints, Rays
-from irsim_gym.tasks.terms import Columns, EpisodeState, Model, Shard, Simulation, State, Term, kernel, kind, option
-from irsim_gym.tasks.terms.graph import RobotValues, Value
+from irsim_gym.simulator.world.names import Flags, Floats, Ints, Model, Rays, Shard, State, kernel, kind, option
+from irsim_gym.tasks.terms import Columns, EpisodeState, Needs, RobotValues, Simulation, Term, Value
 from irsim_gym.tasks.terms.mirrored import Mirrored, command_exchanged
-from irsim_gym.tasks.terms.term import Needs
 
 
 @kind

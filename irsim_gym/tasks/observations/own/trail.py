@@ -5,11 +5,10 @@ from typing import ClassVar
 
 import numpy as np
 
-from irsim_gym.base.arraytypes import Floats, Ints, Rays
-from irsim_gym.tasks.terms import EpisodeState, Model, Shard, Simulation, State, Struct, kernel, kind, option
-from irsim_gym.tasks.terms.graph import RobotValues, Value, sector_flags
+from irsim_gym.simulator.world.names import Floats, Ints, Model, Rays, Shard, State, Struct, kernel, kind, option
+from irsim_gym.tasks.terms import Bound, EpisodeState, Needs, RobotValues, Simulation, Term, Value, forget
+from irsim_gym.tasks.terms.graph import sector_flags
 from irsim_gym.tasks.terms.mirrored import Mirrored, sectors_exchanged
-from irsim_gym.tasks.terms.term import Bound, Needs, Term, forget
 from irsim_gym.tasks.terms.words import Columns, evenly
 
 

@@ -5,12 +5,10 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from irsim_gym.base.arraytypes import Flags, Floats, Ints, Rays
 from irsim_gym.simulator.levels.traits import limits_at_ends
 from irsim_gym.simulator.world.model import OMNI_WORLD, Model
-from irsim_gym.tasks.terms import Columns, EpisodeState, Shard, Simulation, State, kernel, kind, row_of
-from irsim_gym.tasks.terms.graph import RobotValues, Value
-from irsim_gym.tasks.terms.mirrored import Mirrored, command_exchanged
+from irsim_gym.simulator.world.names import Flags, Floats, Ints, Rays, Shard, State, kernel, kind, row_of
+from irsim_gym.tasks.terms import Columns, EpisodeState, Mirrored, RobotValues, Simulation, Value, command_exchanged
 from irsim_gym.tasks.terms.term import AHEAD_AND_LEFT, Needs, Term
 
 

@@ -5,7 +5,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from irsim_gym.base.options import kind, option
+from irsim_gym.simulator.world.names import Ints, Model, Rays, Shard, State, Struct, kernel, kind, option
 from irsim_gym.tasks.observations.scan.ranges import (
     FAR_OFF,
     WITHOUT_SENSOR,
@@ -15,11 +15,8 @@ from irsim_gym.tasks.observations.scan.ranges import (
     range_code,
     shared_sensors,
 )
-from irsim_gym.tasks.terms import Bound, EpisodeState, Ints, Model, Rays, Shard, Simulation, State, Struct, Term, kernel
-from irsim_gym.tasks.terms.graph import RobotValues, Value
+from irsim_gym.tasks.terms import Bound, Columns, EpisodeState, Needs, RobotValues, Simulation, Term, Value, coded
 from irsim_gym.tasks.terms.mirrored import Mirrored, directions_exchanged
-from irsim_gym.tasks.terms.term import Needs
-from irsim_gym.tasks.terms.words import Columns, coded
 
 
 @dataclass

@@ -5,9 +5,8 @@ from typing import ClassVar
 
 import numpy as np
 
-from irsim_gym.base.arraytypes import Floats, Ints, Rays
 from irsim_gym.simulator.geometry.angles import TURN, nearly_arctan2
-from irsim_gym.simulator.world.state import State
+from irsim_gym.simulator.world.names import Floats, Ints, Model, Rays, Shard, State, Struct, kernel, kind, option
 from irsim_gym.tasks.observations.scan.ranges import (
     FAR_OFF,
     WITHOUT_SENSOR,
@@ -17,10 +16,9 @@ from irsim_gym.tasks.observations.scan.ranges import (
     range_code,
     shared_sensors,
 )
-from irsim_gym.tasks.terms import Bound, EpisodeState, Model, Shard, Simulation, Struct, Term, kernel, kind, option
+from irsim_gym.tasks.terms import Bound, EpisodeState, Mirrored, Needs, Simulation, Term
 from irsim_gym.tasks.terms.graph import RobotValues, Value, rotation, sector_minima
-from irsim_gym.tasks.terms.mirrored import Mirrored, sectors_exchanged
-from irsim_gym.tasks.terms.term import Needs
+from irsim_gym.tasks.terms.mirrored import sectors_exchanged
 from irsim_gym.tasks.terms.words import Columns, coded, evenly
 
 LONGEST = 1000

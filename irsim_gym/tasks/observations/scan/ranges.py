@@ -4,10 +4,9 @@ from typing import Any, ClassVar, Literal, NamedTuple, Self, get_args
 
 import numpy as np
 
-from irsim_gym.simulator.world.group import Group
+from irsim_gym.simulator.world.names import Group
 from irsim_gym.tasks.observations.scan.blind_sensor import blind_sensors
-from irsim_gym.tasks.terms import Ints, Rays, Simulation, kernel, kind, option
-from irsim_gym.tasks.terms.graph import Value
+from irsim_gym.tasks.terms import Ints, Rays, Simulation, Value, kernel, kind, option
 
 Code = Literal["inverse", "linear"]
 INVERSE, LINEAR = 0, 1
@@ -32,9 +31,7 @@ class EncodesDepths:
     needs_goal: ClassVar[bool] = False
 
     code: Code = option("inverse", meaning="How to encode a distance; see scan.")
-    near: float = option(
-        0.5, gt=0.0, unit="m", meaning="With code inverse, the distance at which the slope is half its maximum."
-    )
+    near: float = option(0.5, gt=0.0, unit="m", meaning="With code inverse, where the slope is half its maximum.")
     zero: float = option(0.3, ge=0.0, unit="1/m", meaning="Code inverse: value of 1 / (d + near) that becomes 0.")
 
     def coded_bounds(self, far: float, width: int) -> tuple[Rays, Rays]:

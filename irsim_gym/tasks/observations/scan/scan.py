@@ -5,8 +5,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from irsim_gym.base.arraytypes import Floats, Ints, Rays, Words
-from irsim_gym.simulator.world.state import State
+from irsim_gym.simulator.world.names import Floats, Ints, Model, Rays, Shard, State, Struct, Words, kernel, kind, option
 from irsim_gym.tasks.observations.scan.ranges import (
     WITHOUT_SENSOR,
     EncodesDepths,
@@ -17,11 +16,8 @@ from irsim_gym.tasks.observations.scan.ranges import (
     range_code,
     shared_sensors,
 )
-from irsim_gym.tasks.terms import Bound, EpisodeState, Model, Shard, Simulation, Struct, Term, kernel, kind, option
-from irsim_gym.tasks.terms.graph import RobotValues, Value
+from irsim_gym.tasks.terms import Bound, Columns, EpisodeState, Needs, RobotValues, Simulation, Term, Value, coded
 from irsim_gym.tasks.terms.mirrored import Mirrored, sectors_exchanged
-from irsim_gym.tasks.terms.term import Needs
-from irsim_gym.tasks.terms.words import Columns, coded
 
 
 @dataclass

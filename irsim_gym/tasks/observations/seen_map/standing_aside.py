@@ -2,7 +2,6 @@
 
 import numpy as np
 
-from irsim_gym.base.arraytypes import Bytes, Floats, Ints, Point
 from irsim_gym.simulator.cell_paths.cell_lines import free_cell
 from irsim_gym.simulator.cell_paths.wavefront import (
     STRAIGHT,
@@ -15,11 +14,11 @@ from irsim_gym.simulator.cell_paths.wavefront import (
 )
 from irsim_gym.simulator.geometry.angles import turned
 from irsim_gym.simulator.paths.grid import BLOCKED, Grid, centre
+from irsim_gym.simulator.world.names import Bytes, Floats, Ints, Point
 from irsim_gym.tasks.observations.seen_map.seen_ways import last_in_sight
 from irsim_gym.tasks.observations.seen_map.team_ways import TeamWays
 from irsim_gym.tasks.observations.seen_map.way_columns import write_way
-from irsim_gym.tasks.terms import Bound, EpisodeState, Model, State, kernel, row_of
-from irsim_gym.tasks.terms.scaling import diagonal
+from irsim_gym.tasks.terms import Bound, EpisodeState, Model, State, diagonal, kernel, row_of
 
 SOON = 1.5
 """Two agents on their way meet if the first of them comes upon the other's way within this length of its own [m]."""

@@ -5,15 +5,14 @@ from typing import Any, Self
 
 import numpy as np
 
-from irsim_gym.base.arraytypes import Bytes, Flags, Floats, Ints, Labels, Point
 from irsim_gym.simulator.cell_paths.scan_marks import beam_end, eye_of
 from irsim_gym.simulator.geometry.angles import turned
 from irsim_gym.simulator.paths.grid import Grid, centre
+from irsim_gym.simulator.world.names import Bytes, Flags, Floats, Ints, Labels, Point
 from irsim_gym.tasks.observations.seen_map.seen_grid import SeenGrid
 from irsim_gym.tasks.observations.seen_map.seen_ways import SeenWays, way_ahead
 from irsim_gym.tasks.observations.seen_map.way_columns import write_way
-from irsim_gym.tasks.terms import Bound, EpisodeState, Model, Simulation, State, Struct, kernel, row_of
-from irsim_gym.tasks.terms.outcome import RUNNING
+from irsim_gym.tasks.terms import RUNNING, Bound, EpisodeState, Model, Simulation, State, Struct, kernel, row_of
 from irsim_gym.tasks.terms.scaling import diagonal
 
 MARGIN = 0.1

@@ -4,10 +4,8 @@ from typing import ClassVar
 
 import numpy as np
 
-from irsim_gym.base.arraytypes import Point, Rays
-from irsim_gym.tasks.terms import Columns, Model, Term, kernel, kind
-from irsim_gym.tasks.terms.mirrored import Mirrored, signed
-from irsim_gym.tasks.terms.scaling import unit
+from irsim_gym.simulator.world.names import Point, Rays
+from irsim_gym.tasks.terms import Columns, Mirrored, Model, Term, kernel, kind, signed, unit
 
 
 @kind

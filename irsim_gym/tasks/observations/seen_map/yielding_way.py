@@ -2,16 +2,14 @@
 
 from typing import ClassVar
 
-from irsim_gym.base.arraytypes import Ints
+from irsim_gym.simulator.world.names import Ints, Model, Shard, State, kind, option
 from irsim_gym.tasks.observations.scan.ranges import WITHOUT_SENSOR
 from irsim_gym.tasks.observations.seen_map.seen_grid import CELL, EVERY, forget_seen, note_all
 from irsim_gym.tasks.observations.seen_map.seen_ways import clear_levels, narrow_ways
 from irsim_gym.tasks.observations.seen_map.standing_aside import write_asides
 from irsim_gym.tasks.observations.seen_map.team_ways import TeamWays, skip_robots, write_own_ways
 from irsim_gym.tasks.observations.seen_map.way_columns import ObservesWay, way_columns
-from irsim_gym.tasks.terms import Columns, EpisodeState, Model, Shard, Simulation, State, Term, kind, option
-from irsim_gym.tasks.terms.scaling import diagonal
-from irsim_gym.tasks.terms.term import Needs
+from irsim_gym.tasks.terms import Columns, EpisodeState, Needs, Simulation, Term, diagonal
 
 
 @kind

@@ -1,0 +1,1 @@
+"""What is rewarded of bodies that are pushed."""
