@@ -122,7 +122,7 @@ def tracks(
     modules: opt.Imports = None,
 ) -> None:
     """Measure how well the observation `tracks` shows what moves, by distance, while the robot drives at random."""
-    from irsim_gym.evaluation.measures.tracking import measure_tracks, tracking_table
+    from irsim_gym.evaluation.comparison.tracking import measure_tracks, tracking_table
     from irsim_gym.evaluation.protocol.tables import print_table
 
     found = measure_tracks(scenario_request(scenario, None, False, settings, lenient, perturb), levels, split)
