@@ -114,7 +114,8 @@ def _compare(
     last[counts & has_one] = best[counts & has_one]
     is_false = known & (tracks["lost"] == 0.0) & (gap.min(axis=2, initial=np.inf) > NEAR)
     found.false += int((is_false & ~ghosts).sum())
-    return known & (ghosts | is_false)
+    false: Flags = known & (ghosts | is_false)
+    return false
 
 
 def tracking_table(found: Tracking) -> Table:

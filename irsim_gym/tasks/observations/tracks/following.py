@@ -184,7 +184,7 @@ def claim(at: Moment, t: int, count: int, tracker: Tracker) -> int:
 def from_edge(one: Any, points: Floats, k: int) -> float:
     """Return the distance of a point from the edge of a track's disc [m]."""
     dx, dy = points[0, k] - one.x, points[1, k] - one.y
-    return abs(np.sqrt(dx * dx + dy * dy) - one.radius)
+    return float(abs(np.sqrt(dx * dx + dy * dy) - one.radius))
 
 
 @kernel
@@ -241,7 +241,7 @@ def look(at: Moment, ago: int, x: float, y: float, tracker: Tracker) -> float:
         return -9.0
     away = np.sqrt(dx * dx + dy * dy)
     margin = MARGIN + EDGE * away * tracker.spacing + 3.0 * tracker.noise[at.a]
-    return min(ranges[first], ranges[first + 1]) - away - margin
+    return float(min(ranges[first], ranges[first + 1]) - away - margin)
 
 
 @kernel

@@ -16,8 +16,7 @@ from irsim_gym.tasks.terms import EpisodeState, Model, Shard, Simulation, State,
 from irsim_gym.tasks.terms.term import Needs
 
 TRACK = record_type(
-    "x y vx vy begin_x begin_y radius spread place both speed lost",
-    **{"score": np.int64, "cluster": np.int64, "used": np.bool_},
+    "x y vx vy begin_x begin_y radius spread place both speed lost", score=np.int64, cluster=np.int64, used=np.bool_
 )
 """A disc: centre [m], velocity [m/s], where it began [m], radius [m] and its variance; variances of each coordinate of
 place and speed and their covariance; the time for which it has not been seen [s]; how often it was seen to move; its
