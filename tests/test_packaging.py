@@ -160,7 +160,7 @@ def test_an_index_accepts_both(built: Path) -> None:
 def test_the_wheel_stays_small(built: Path) -> None:
     """Half is certificates of levels, policies and pictures, which are compressed already."""
     (wheel,) = built.glob("*.whl")
-    assert wheel.stat().st_size <= 3.2e6
+    assert wheel.stat().st_size <= 3.4e6
 
 
 @pytest.mark.slow
