@@ -183,9 +183,8 @@ def _percent(value: float | None) -> str:
 
 def _up_to(found: Mapping[str, float | None] | None, digits: int) -> str:
     """Return a strength that was looked for: ``> 0.8`` if it is beyond the greatest one played."""
-    if found and found["value"] is None:
-        return f"> {found['played_to']:g}"
-    return _number(found["value"] if found else None, digits)
+    value = found["value"] if found else None
+    return f"> {found['played_to']:g}" if found and value is None else _number(value, digits)
 
 
 def _number(value: float | None, digits: int) -> str:

@@ -48,6 +48,7 @@ class Targets(Struct):
 class OfBodies:
     """What kinds about bodies that can be pushed have in common."""
 
+    needs_goal: ClassVar[bool] = False
     needs_target: ClassVar[bool] = False
 
     bodies: tuple[str, ...] = option((), meaning="Names of bodies or groups; default: all that can be pushed.")
