@@ -153,7 +153,7 @@ def test_the_command_line(file: str, monkeypatch: pytest.MonkeyPatch, capsys: py
     [
         (["--set", "n_robots"], "write NAME=VALUE, e.g. --set n_robots=8, got 'n_robots'"),
         (["--set", "a=1", "--set", "a=2"], "'a' is given twice"),
-        (["--set", "seed=2"], "'seed' cannot be a parameter of a scenario"),
+        (["--set", "seed=2"], "'seed' is no parameter of a scenario"),
         (["--set", "robots=2"], "did you mean 'n_robots'?"),
         (["--set", "n_robots=many"], "must be a whole number from 1 to 9, got 'many'"),
     ],

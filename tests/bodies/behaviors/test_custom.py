@@ -277,7 +277,7 @@ def test_a_group_decides_together() -> None:
 def test_a_group_gets_one_command_each(answer: Any, found: str) -> None:
     ig.group_behavior("rally")(lambda members, others: answer)
     sim = simulation({**OMNI, "number": 2, "state": [[1, 1], [3, 1]], "group_behavior": {"name": "rally"}})
-    with pytest.raises(BehaviorError, match=f"group behavior 'rally' must return a list of 2 commands.*got {found}"):
+    with pytest.raises(BehaviorError, match=f"group behavior 'rally' must return 2 commands.*got {found}"):
         sim.step()
 
 

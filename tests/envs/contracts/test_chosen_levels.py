@@ -146,5 +146,5 @@ def test_what_is_no_choice():
         with pytest.raises(ValueError, match="a whole number for each of 2 worlds"):
             envs.choose_levels(levels)
     for levels in ([1, -2], [2**53, 0]):
-        with pytest.raises(ValueError, match=f"levels must be from 0 to {2**53 - 1}, or -1"):
+        with pytest.raises(ValueError, match=f"levels must be 0 to {2**53 - 1}, or -1"):
             envs.choose_levels(levels)
