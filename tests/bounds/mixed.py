@@ -14,7 +14,7 @@ from irsim_gym.base import families
 from irsim_gym.base.options import option_fields
 
 families.load()
-LEFT_OUT = frozenset({"recorded", "image", "array"})
+LEFT_OUT = frozenset({"recorded", "image", "array", "ros"})
 """Kinds that need a file or a list of cells."""
 CONFLICTING = frozenset(
     {"lookahead_max", "lateral", "clear_to", "fill_from", "range_min", "alpha", "seed", "radius", "center"}
