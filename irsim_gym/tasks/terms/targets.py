@@ -101,15 +101,11 @@ def has_goal(scenario: Scenario, b: int) -> bool:
 
 
 @kernel
-def way_to_target(w: int, b: int, area: Floats, goal: Floats, state: State) -> Point:
-    """Return the way from a body's origin to a goal, or into the area if there is one [m].
-
-    Reads: state (pose).
-    """
-    x, y = state.pose[w, b, 0], state.pose[w, b, 1]
+def way_to_target(pose: Floats, area: Floats, goal: Floats) -> Point:
+    """Return the way from a pose to a goal, or into the area if there is one [m]."""
     if np.isnan(area[0]):
-        return goal[0] - x, goal[1] - y
-    return min(max(x, area[0]), area[2]) - x, min(max(y, area[1]), area[3]) - y
+        return goal[0] - pose[0], goal[1] - pose[1]
+    return min(max(pose[0], area[0]), area[2]) - pose[0], min(max(pose[1], area[1]), area[3]) - pose[1]
 
 
 @kernel
@@ -119,7 +115,7 @@ def lies_there(w: int, b: int, area: Floats, model: Model, state: State) -> bool
     Reads: model (arrive_mode, goal_threshold), state (goal, pose, waypoint, waypoint_end).
     """
     if not np.isnan(area[0]):
-        dx, dy = way_to_target(w, b, area, state.goal[w, b], state)
+        dx, dy = way_to_target(state.pose[w, b], area, state.goal[w, b])
         return dx == 0.0 and dy == 0.0
     gap = goal_gap(state.pose[w, b], state.goal[w, b], model.arrive_mode[b] == STATE)
     is_last = state.waypoint[w, b] + 1 >= state.waypoint_end[w, b]

@@ -147,9 +147,8 @@ def write_movable(
                 b, part = bodies[found[i]], row[width * i : width * (i + 1)]
                 describe_movable(w, own, b, scales, movable.grip, model, state, part)
                 if options.target != 0 and movable.aims[found[i]] != 0:
-                    write_leg(
-                        part[BODY:], state.pose[w, own, 2], way_to_target(w, b, area, state.goal[w, b], state), scales
-                    )
+                    way = way_to_target(state.pose[w, b], area, state.goal[w, b])
+                    write_leg(part[BODY:], state.pose[w, own, 2], way, scales)
                     part[BODY + 4] = np.float32(lies_there(w, b, area, model, state))
 
 

@@ -56,7 +56,7 @@ def note_targets(worlds: Ints, targets: Targets, state: State) -> None:
         for k in range(targets.bodies.shape[0]):
             b, goal = targets.bodies[k], targets.goal[w, k]
             goal[0], goal[1] = state.goal[w, b, 0], state.goal[w, b, 1]
-            dx, dy = way_to_target(w, b, targets.area, goal, state)
+            dx, dy = way_to_target(state.pose[w, b], targets.area, goal)
             targets.distance[w, k] = np.sqrt(dx * dx + dy * dy)
 
 
@@ -75,7 +75,7 @@ def pay_body_gain(
         for k in range(targets.bodies.shape[0]):
             b = targets.bodies[k]
             if model.present[w, b]:
-                dx, dy = way_to_target(w, b, targets.area, targets.goal[w, k], state)
+                dx, dy = way_to_target(state.pose[w, b], targets.area, targets.goal[w, k])
                 gain += targets.distance[w, k] - np.sqrt(dx * dx + dy * dy)
         for a in range(episode.reward_term.shape[1]):
             episode.reward_term[w, a, term.column] = rate * gain
