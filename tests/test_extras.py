@@ -15,7 +15,18 @@ from irsim_gym.base import extras
 from irsim_gym.errors import IrsimGymError, MissingExtraError
 
 ROOT = Path(__file__).parents[1]
-HIDDEN = ("torch", "stable_baselines3", "sb3_contrib", "tensorboard", "optuna", "ray", "onnx", "onnxruntime", "rosbags", "ompl")
+HIDDEN = (
+    "torch",
+    "stable_baselines3",
+    "sb3_contrib",
+    "tensorboard",
+    "optuna",
+    "ray",
+    "onnx",
+    "onnxruntime",
+    "rosbags",
+    "ompl",
+)
 HIDE = f"import sys\nsys.modules.update(dict.fromkeys({HIDDEN}))\n"
 WORKS = """
 import numpy as np

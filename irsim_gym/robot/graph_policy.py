@@ -223,7 +223,7 @@ def commands_of(episodes: Episodes, actions: NDArray[Any], values: Measured) -> 
 
 def first_actions(episodes: Episodes, actions: NDArray[Any]) -> NDArray[Any]:
     """Return the first agent's actions within [-1, 1], ``(n, n_components)``."""
-    return np.clip(actions.reshape(len(actions), episodes.n_agents, -1)[:, 0], -1.0, 1.0)
+    return np.asarray(np.clip(actions.reshape(len(actions), episodes.n_agents, -1)[:, 0], -1.0, 1.0))
 
 
 def rescaled(actions: Floats, before: tuple[Floats, Floats], now: tuple[Floats, Floats]) -> Floats:

@@ -55,7 +55,7 @@ def test_ctrl_c_while_packages_are_loaded_is_no_traceback(tmp_path: Path) -> Non
 @pytest.mark.parametrize(
     ("name", "kinds", "line"),
     [
-        ("reward", "rewards", "collision    Penalty"),
+        ("reward", "rewards", "collision      Penalty"),
         ("behaviours", "behavior", "dash          Drive straight at the goal"),
         ("obstacle_map", "obstacle map", "maze      Corridors between walls"),
         ("sensors", "sensor", "lidar2d       A scanner with"),

@@ -190,7 +190,7 @@ def _up_to(found: Mapping[str, float | None] | None, digits: int) -> str:
     """Return a strength that was looked for: ``> 0.8`` if it is beyond the greatest one played."""
     if found and found["value"] is None:
         return f"> {found['played_to']:g}"
-    return _number(found and found["value"], digits)
+    return _number(found["value"] if found else None, digits)
 
 
 def _number(value: float | None, digits: int) -> str:

@@ -135,7 +135,7 @@ def _misfits_of(
     if placement.number_range is None and not present.all():
         yield "present", f"{_where(~present, name)}: must be there, since its entry has no number_range"
     count = (~np.isnan(levels.goal[:, k, :, 0])).sum(axis=1) * present
-    is_mobile = body.coasts or (body.kinematics is not None and not body.static)
+    is_mobile = not body.static
     drawn = n_goals_drawn(placement) if is_mobile else 0
     if count.any() and not drawn and not (is_mobile and len(body.goal) == 1):
         has = f"{len(body.goal)} goals" if is_mobile and body.goal else "no goal"

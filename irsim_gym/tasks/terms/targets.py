@@ -48,6 +48,7 @@ class Targets(Struct):
 class OfBodies:
     """What kinds about bodies that can be pushed have in common."""
 
+    needs_goal: ClassVar[bool] = False
     needs_target: ClassVar[bool] = False
 
     bodies: tuple[str, ...] = option(
@@ -81,15 +82,10 @@ class OfBodies:
 
     def targets(self, simulation: Simulation, n_agents: int) -> Targets:
         """Return the bodies with their targets."""
-        bodies, n_worlds = np.array(self.chosen(simulation.scenario), np.int64), simulation.n_worlds
-        shape = (n_worlds, len(bodies))
-        return Targets(
-            bodies=bodies,
-            area=np.array(NO_AREA if self.area is None else self.area, np.float64),
-            goal=np.zeros((*shape, 2)),
-            distance=np.zeros(shape),
-            counted=np.zeros((n_worlds, n_agents, len(bodies)), np.bool_),
-        )
+        bodies, shape = np.array(self.chosen(simulation.scenario), np.int64), (simulation.n_worlds, n_agents)
+        area, distance = np.array(self.area or NO_AREA, np.float64), np.zeros((simulation.n_worlds, len(bodies)))
+        counted = np.zeros((*shape, len(bodies)), np.bool_)
+        return Targets(bodies, area, np.zeros((*distance.shape, 2)), distance, counted)
 
 
 @kind
