@@ -111,6 +111,26 @@ def evaluate(
     run_evaluation(request, policies or [], levels=levels, split=split, **how)
 
 
+@app.command()
+def tracks(
+    scenario: opt.Scenario,
+    levels: opt.Levels = 50,
+    split: opt.Split = "dev",
+    settings: opt.Given = None,
+    perturb: opt.Perturbed = None,
+    lenient: opt.Lenient = False,
+    modules: opt.Imports = None,
+) -> None:
+    """Measure how well the observation `tracks` shows what moves, by distance, while the robot drives at random."""
+    from irsim_gym.evaluation.comparison.tracking import measure_tracks, tracking_table
+    from irsim_gym.evaluation.protocol.tables import print_table
+
+    found = measure_tracks(scenario_request(scenario, None, False, settings, lenient, perturb), levels, split)
+    print_table(tracking_table(found))
+    rate = found.false / found.minutes
+    print(f"false tracks a minute: {rate:.2f}; another track goes on with a body: {found.switches / found.minutes:.2f}")
+
+
 app.command()(arena)
 app.command()(robustness)
 

@@ -112,6 +112,11 @@ BY_HAND: dict[str, dict[str, Any]] = {
         "task": GOES_ON,
     },
     **{f"map by level: {one['name']}": map_by_level(one) for one in MAPS_BY_LEVEL},
+    "tracks of bodies that pass": {
+        "world": SHORT,
+        "robot": leaving(3, ["dash"]),
+        "task": {"name": "blank", "max_steps": 9, "observations": ["tracks", {"name": "time_to_tracks", "speeds": 2}]},
+    },
     "scanner of one beam": {"robot": {**FAST, "state": [1, 1], "goal": [3, 3], "sensors": ONE_BEAM}},
     "contacts within a step": {
         "world": {**SHORT, "collision_mode": "stop", "collision_check": "swept", "obstacle_map": PERLIN},

@@ -154,7 +154,7 @@ def test_each_kind_that_a_robot_can_observe_by_itself_has_a_twin() -> None:
     own = [entry for entry in families.OBSERVATIONS if entry.kind.__module__.startswith("irsim_gym.")]
     alone = {entry.name for entry in own if set(entry.kind().needs) <= {"scan", "odometry", "map_frame", "grid"}}
     twins = {entry.name for entry in own if issubclass(entry.kind, HasGraph)}
-    assert alone - twins == {"has_arrived", "seen_map_image"}
+    assert alone - twins == {"has_arrived", "seen_map_image", "tracks", "time_to_tracks"}
     assert {item if isinstance(item, str) else item["name"] for item in EVERYTHING} == twins
 
 

@@ -74,13 +74,8 @@ def without_map(scenario: Scenario) -> tuple[tuple[BodySpec, ...], tuple[Placeme
 
 def drawn_bodies(bodies: Sequence[BodySpec], placements: Sequence[PlacementSpec]) -> tuple[int, ...]:
     """Return the bodies whose start, goal, outline or presence levels draw."""
-    return tuple(
-        b
-        for b, body in enumerate(bodies)
-        if body.shape.is_random
-        or placements[body.entry].kind.is_random
-        or placements[body.entry].number_range is not None
-    )
+    drawn = {k for k, one in enumerate(placements) if one.kind.is_random or one.number_range is not None}
+    return tuple(b for b, body in enumerate(bodies) if body.shape.is_random or body.entry in drawn)
 
 
 def levels_differ(scenario: Scenario) -> bool:

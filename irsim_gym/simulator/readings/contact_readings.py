@@ -1,7 +1,5 @@
 """What a body weighs, and what it feels of others that it touches (``collision_mode: contact``)."""
 
-from __future__ import annotations
-
 from abc import ABC
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, NoReturn
@@ -35,7 +33,7 @@ class ContactRecord:
     point: Floats
     force: float
 
-    def report(self, body: Any) -> ContactReport:
+    def report(self, body: Any) -> "ContactReport":
         """Return it as one of its bodies feels it."""
         other, sign = (self.b, 1.0) if self.a._b == body._b else (self.a, -1.0)
         return ContactReport(other, self.point, sign * self.normal, self.depth, self.force)

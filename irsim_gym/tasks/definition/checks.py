@@ -9,6 +9,7 @@ import numpy as np
 
 from irsim_gym.base.errors import Problem, UnknownNameError, suggestion
 from irsim_gym.base.families import ENDINGS, OBSERVATIONS, REWARDS, SENSORS
+from irsim_gym.base.options import option_fields
 from irsim_gym.scenario.checking.validation import Report
 from irsim_gym.scenario.specs.spec import BodySpec, PlacementSpec, Scenario
 from irsim_gym.scenario.text.messages import show
@@ -214,9 +215,9 @@ def _substitutes(place: Place, item: object, bodies: Sequence[BodySpec], report:
     blind = [name for name in substitutes if "scan" in (OBSERVATIONS.entry(name).kind().needs or ())]
     for name in blind:
         report.add((*place, "without_sensor"), f"'{name}' needs a range sensor itself")
+    given = {key: getattr(item, key) for key in option_fields(type(item))} | item.told if hasattr(item, "told") else {}
     kinds = [OBSERVATIONS.entry(name).kind for name in substitutes]
-    substitute = getattr(item, "substitute", None)  # kinds that hand on their own options
-    return [item] if blind else [substitute(one) if substitute else one() for one in kinds]
+    return [item] if blind else [kind(**{k: given[k] for k in given if k in option_fields(kind)}) for kind in kinds]
 
 
 def _described(sensor: object) -> str:

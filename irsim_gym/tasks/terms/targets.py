@@ -51,9 +51,7 @@ class OfBodies:
     needs_goal: ClassVar[bool] = False
     needs_target: ClassVar[bool] = False
 
-    bodies: tuple[str, ...] = option(
-        (), meaning="Names of the bodies, or of their groups; default: all without a drive that can be pushed."
-    )
+    bodies: tuple[str, ...] = option((), meaning="Names of bodies or groups; default: all that can be pushed.")
     area: Area | None = option(
         None, unit="m", meaning="Where their origins belong: x0, y0, x1, y1; default: the goal of each."
     )
@@ -82,10 +80,11 @@ class OfBodies:
 
     def targets(self, simulation: Simulation, n_agents: int) -> Targets:
         """Return the bodies with their targets."""
-        bodies, shape = np.array(self.chosen(simulation.scenario), np.int64), (simulation.n_worlds, n_agents)
-        area, distance = np.array(self.area or NO_AREA, np.float64), np.zeros((simulation.n_worlds, len(bodies)))
-        counted = np.zeros((*shape, len(bodies)), np.bool_)
-        return Targets(bodies, area, np.zeros((*distance.shape, 2)), distance, counted)
+        bodies, n_worlds = np.array(self.chosen(simulation.scenario), np.int64), simulation.n_worlds
+        shape = (n_worlds, len(bodies))
+        area = np.array(NO_AREA if self.area is None else self.area, np.float64)
+        counted = np.zeros((n_worlds, n_agents, len(bodies)), np.bool_)
+        return Targets(bodies=bodies, area=area, goal=np.zeros((*shape, 2)), distance=np.zeros(shape), counted=counted)
 
 
 @kind

@@ -35,17 +35,20 @@ def join_beams(ranges: Rays, limits: Rays, spacing: float, noise: float, closes:
         closes: Whether the beams go round a full circle, so that the first one follows the last.
         joined: Output, 1 or 0, ``(3, n_beams)``; the other rows are scratch memory.
     """
-    n_beams, least, most = ranges.shape[0], limits[0], limits[1]
+    n, least, most = ranges.shape[0], limits[0], limits[1]
     yes, no, bend = np.float32(1.0), np.float32(0.0), np.float32(2.0 * np.cos(spacing))
     slack, step = np.float32(2.0 * STRAIGHT + 4.0 * noise), np.float32(2.0 * LARGEST * spacing)
     inverse, flat, same, blur = joined[1], joined[2], joined[0], np.float32(3.0 * noise)
-    for i in range(n_beams):
+    for i in range(n):
         inverse[i] = yes / ranges[i] if (least < ranges[i]) & (ranges[i] < most) else no
         flat[i] = no
-    line_up(inverse[:-2], inverse[1:-1], inverse[2:], bend, slack, flat[1:-1])
-    join_near(ranges[:-1], ranges[1:], inverse[:-1], inverse[1:], step, blur, same[1:])
-    join_near(ranges[-1:], ranges[:1], inverse[-1:], inverse[:1], step, blur, same[:1])
-    join_straight(flat[:-3], flat[1:-2], flat[2:-1], flat[3:], same[2:-1])
+    if n < 4:
+        same[:] = no
+        return
+    line_up(inverse[: n - 2], inverse[1 : n - 1], inverse[2:], bend, slack, flat[1 : n - 1])
+    join_near(ranges[: n - 1], ranges[1:], inverse[: n - 1], inverse[1:], step, blur, same[1:])
+    join_near(ranges[n - 1 :], ranges[:1], inverse[n - 1 :], inverse[:1], step, blur, same[:1])
+    join_straight(flat[: n - 3], flat[1 : n - 2], flat[2 : n - 1], flat[3:], same[2 : n - 1])
     if not closes:
         same[0] = no
 

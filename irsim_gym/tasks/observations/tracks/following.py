@@ -1,6 +1,6 @@
 """How tracks follow bodies from scan to scan."""
 
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -16,12 +16,28 @@ SHIFT = 0.3
 """How far something has to move before scans are compared [m]."""
 MARGIN = 0.1
 """How much deeper than a disc's front a beam must reach for the place to count as free [m]."""
+EDGE = 0.6
+"""... and besides, as a share of the way between two beams there: an edge may stand out between them."""
+MOST_PROOFS = 6
+"""As many count; each scan that does not show it takes one away."""
 SLOWEST = 0.1
 """What is slower than this stands [m/s]."""
+VAGUE = 0.02
+"""Variance of a place [m2] above which a cluster is no disc that could be seen to move."""
 UNSURE = 0.002
 """Deviation of readings without noise, and of discs from what bodies are [m]."""
 RADIUS, SPREAD, PACE = 0.3, 0.1, 1.0
 """Radius [m], its deviation [m] and the deviation of each component of the velocity [m/s] of a new track."""
+
+
+class Moment(NamedTuple):
+    """Whose scan is followed: world, learner, their step, slot of scratch memory, and how long a step takes [s]."""
+
+    w: int
+    a: int
+    step: int
+    slot: int
+    dt: float
 
 
 @kernel
@@ -36,53 +52,53 @@ def follow_all(
     """
     for w in worlds:
         for a in range(agents.shape[0]):
-            step = episode.steps[w, a]
-            if step != tracker.noted[w, a] and tracker.scan.ranges.shape[2] > 0:
-                note_scan(w, a, step, state.pose[w, agents[a]], slot, tracker)
-                follow(w, a, step, slot, model.step_time[0], tracker)
-                tracker.noted[w, a] = step
+            at = Moment(w, a, episode.steps[w, a], slot, model.step_time[0])
+            if at.step != tracker.noted[w, a] and tracker.scan.ranges.shape[2] > 0:
+                note_scan(at, state.pose[w, agents[a]], tracker)
+                follow(at, tracker)
+                tracker.noted[w, a] = at.step
 
 
 @kernel
-def note_scan(w: int, a: int, step: int, pose: Floats, slot: int, tracker: Tracker) -> None:
+def note_scan(at: Moment, pose: Floats, tracker: Tracker) -> None:
     """Keep a scan and the sensor's pose, and write where its beams end.
 
     Reads: tracker (scan).
     Writes: tracker (eyes, points, scans).
     """
-    scan, s, row = tracker.scan, tracker.scan.sensors[a], step % tracker.scans.shape[2]
+    scan, s, row = tracker.scan, tracker.scan.sensors[at.a], at.step % tracker.scans.shape[2]
     cosine, sine = np.cos(pose[2]), np.sin(pose[2])
     x = pose[0] + cosine * scan.offset[s, 0] - sine * scan.offset[s, 1]
     y = pose[1] + sine * scan.offset[s, 0] + cosine * scan.offset[s, 1]
-    eye, ends, kept = tracker.eyes[w, a, row], tracker.points[slot, 0], tracker.scans[w, a, row]
+    eye, ends, kept = tracker.eyes[at.w, at.a, row], tracker.points[at.slot, 0], tracker.scans[at.w, at.a, row]
     eye[0], eye[1], eye[2] = x, y, pose[2]
     for i in range(kept.shape[0]):
-        reading, ahead, left = scan.ranges[w, s, i], scan.beams_x[s, i], scan.beams_y[s, i]
+        reading, ahead, left = scan.ranges[at.w, s, i], scan.beams_x[s, i], scan.beams_y[s, i]
         kept[i] = reading
         ends[0, i] = x + reading * (cosine * ahead - sine * left)
         ends[1, i] = y + reading * (sine * ahead + cosine * left)
 
 
 @kernel
-def follow(w: int, a: int, step: int, slot: int, dt: float, tracker: Tracker) -> None:
+def follow(at: Moment, tracker: Tracker) -> None:
     """Predict the tracks, match them with the clusters of the latest scan, correct them, and begin and end some.
 
     Reads: tracker (accel, closes, clusters, eyes, joined, keep, limits, noise, points, scan, scans, size, spacing,
         tracks).
     Writes: tracker (clusters, joined, points, tracks).
     """
-    ranges, limits = tracker.scans[w, a, step % tracker.scans.shape[2]], tracker.limits[a]
-    tracks, clusters, joined = tracker.tracks[w, a], tracker.clusters[slot], tracker.joined[slot]
-    eye, kept = tracker.eyes[w, a, step % tracker.eyes.shape[2]], tracker.points[slot, 1]
-    join_beams(ranges, limits, tracker.spacing, tracker.noise[a], tracker.closes, joined)
-    count = find_clusters(ranges, limits, tracker.size, joined, tracker.points[slot], clusters)
+    row, limits, joined = at.step % tracker.scans.shape[2], tracker.limits[at.a], tracker.joined[at.slot]
+    ranges, eye, kept = tracker.scans[at.w, at.a, row], tracker.eyes[at.w, at.a, row], tracker.points[at.slot, 1]
+    tracks, clusters = tracker.tracks[at.w, at.a], tracker.clusters[at.slot]
+    join_beams(ranges, limits, tracker.spacing, tracker.noise[at.a], tracker.closes, joined)
+    count = find_clusters(ranges, limits, tracker.size, joined, tracker.points[at.slot], clusters)
     push_back(eye, clusters, count)
     for t in range(tracks.shape[0]):
         if tracks[t].used:
-            predict(tracks[t], dt, tracker.accel)
+            predict(tracks[t], at.dt, tracker.accel)
             tracks[t].cluster = nearest_cluster(tracks[t], clusters, count)
             if tracks[t].score >= PROOFS and tracks[t].cluster >= 0:
-                count = claim(t, tracks, clusters, count, kept)
+                count = claim(at, t, count, tracker)
     for t in range(tracks.shape[0]):
         one = tracks[t]
         if one.used and one.score < PROOFS and one.cluster >= 0:
@@ -92,13 +108,13 @@ def follow(w: int, a: int, step: int, slot: int, dt: float, tracker: Tracker) ->
                 clusters[one.cluster].track = t
         if one.used and one.cluster >= 0:
             points = kept[:, clusters[one.cluster].first : clusters[one.cluster].last]
-            measure(one, points, eye, a, tracker)
-            judge(w, a, step, one, points, dt, tracker)
+            measure(at, one, points, tracker)
+            judge(at, one, points, tracker)
         elif one.used:
-            miss(w, a, step, one, dt, tracker)
+            miss(at, one, tracker)
     for c in range(count):
         if clusters[c].track < 0:
-            begin(clusters[c], kept[:, clusters[c].first : clusters[c].last], a, tracks, tracker)
+            begin(at, clusters[c], kept[:, clusters[c].first : clusters[c].last], tracker)
 
 
 @kernel
@@ -131,13 +147,15 @@ def nearest_cluster(one: Any, clusters: Records, count: int) -> int:
 
 
 @kernel
-def claim(t: int, tracks: Records, clusters: Records, count: int, points: Floats) -> int:
+def claim(at: Moment, t: int, count: int, tracker: Tracker) -> int:
     """Give a moving track its nearest cluster, and return the number of clusters.
 
     Of a cluster that another one has claimed it gets the points that are nearer to its own edge, as a new cluster.
 
-    Writes: points.
+    Reads: tracker (clusters, points, tracks).
+    Writes: tracker (clusters, points, tracks).
     """
+    tracks, clusters, points = tracker.tracks[at.w, at.a], tracker.clusters[at.slot], tracker.points[at.slot, 1]
     whole = clusters[tracks[t].cluster]
     if whole.track < 0:
         whole.track = t
@@ -166,17 +184,18 @@ def claim(t: int, tracks: Records, clusters: Records, count: int, points: Floats
 def from_edge(one: Any, points: Floats, k: int) -> float:
     """Return the distance of a point from the edge of a track's disc [m]."""
     dx, dy = points[0, k] - one.x, points[1, k] - one.y
-    return abs(np.sqrt(dx * dx + dy * dy) - one.radius)
+    return float(abs(np.sqrt(dx * dx + dy * dy) - one.radius))
 
 
 @kernel
-def measure(one: Any, points: Floats, eye: Floats, a: int, tracker: Tracker) -> None:
+def measure(at: Moment, one: Any, points: Floats, tracker: Tracker) -> None:
     """Correct a track by the disc through its cluster: a Kalman filter, the same for both coordinates.
 
-    Reads: tracker (noise, spacing).
+    Reads: tracker (eyes, noise, spacing).
     Writes: one.
     """
-    noise = UNSURE * UNSURE + tracker.noise[a] ** 2
+    eye = tracker.eyes[at.w, at.a, at.step % tracker.eyes.shape[2]]
+    noise = UNSURE * UNSURE + tracker.noise[at.a] ** 2
     x, y, radius, spread, doubt = fit_disc(points, one.x, one.y, one.radius, one.spread, noise)
     dx, dy = x - eye[0], y - eye[1]
     away = max(np.sqrt(dx * dx + dy * dy), 1e-9)
@@ -185,6 +204,7 @@ def measure(one: Any, points: Floats, eye: Floats, a: int, tracker: Tracker) -> 
     # A centre that was found with another radius would have lain as much farther, or nearer.
     grown = (radius - one.radius) / away
     one.x, one.y, one.radius, one.spread = one.x + grown * dx, one.y + grown * dy, radius, spread
+    one.begin_x, one.begin_y = one.begin_x + grown * dx, one.begin_y + grown * dy
     gain, rate = one.place / (one.place + doubt), one.both / (one.place + doubt)
     off_x, off_y = x - one.x, y - one.y
     one.x, one.y = one.x + gain * off_x, one.y + gain * off_y
@@ -194,66 +214,74 @@ def measure(one: Any, points: Floats, eye: Floats, a: int, tracker: Tracker) -> 
 
 
 @kernel
-def miss(w: int, a: int, step: int, one: Any, dt: float, tracker: Tracker) -> None:
+def miss(at: Moment, one: Any, tracker: Tracker) -> None:
     """Count the time for which a track has not been seen, three times where beams pass through it; drop it in the end.
 
     Reads: tracker (eyes, keep, noise, scan, scans, spacing).
     Writes: one.
     """
     is_known = one.score >= PROOFS
-    one.lost += 3.0 * dt if is_known and look(w, a, step, one.x, one.y, tracker) > MARGIN - one.radius else dt
-    one.used = one.lost < (tracker.keep if is_known else 2.5 * dt)
+    is_gone = is_known and look(at, 0, one.x, one.y, tracker) > MARGIN - one.radius
+    one.lost += 3.0 * at.dt if is_gone else at.dt
+    one.used = one.lost < (tracker.keep if is_known else 2.5 * at.dt)
 
 
 @kernel
-def look(w: int, a: int, step: int, x: float, y: float, tracker: Tracker) -> float:
-    """Return how far beyond a point, and a margin, both beams beside it reached in a step [m]; -9 without beams.
+def look(at: Moment, ago: int, x: float, y: float, tracker: Tracker) -> float:
+    """Return how far beyond a point, and a margin, both beams beside it reached some steps ago [m]; -9 without beams.
 
     Reads: tracker (eyes, noise, scan, scans, spacing).
     """
-    row, s = step % tracker.scans.shape[2], tracker.scan.sensors[a]
-    eye, ranges = tracker.eyes[w, a, row], tracker.scans[w, a, row]
+    row, s = (at.step - ago) % tracker.scans.shape[2], tracker.scan.sensors[at.a]
+    eye, ranges = tracker.eyes[at.w, at.a, row], tracker.scans[at.w, at.a, row]
     dx, dy = x - eye[0], y - eye[1]
     place = wrap(nearly_arctan2(dy, dx) - eye[2] - tracker.scan.angles[s, 0])
     first = int((place if place >= 0.0 else place + TURN) / tracker.spacing)
-    if first >= ranges.shape[0] - 1:
+    if not 0 <= first < ranges.shape[0] - 1:
         return -9.0
     away = np.sqrt(dx * dx + dy * dy)
-    return min(ranges[first], ranges[first + 1]) - away - MARGIN - 3.0 * tracker.noise[a] - away * tracker.spacing
+    margin = MARGIN + EDGE * away * tracker.spacing + 3.0 * tracker.noise[at.a]
+    return float(min(ranges[first], ranges[first + 1]) - away - margin)
 
 
 @kernel
-def judge(w: int, a: int, step: int, one: Any, points: Floats, dt: float, tracker: Tracker) -> None:
+def judge(at: Moment, one: Any, points: Floats, tracker: Tracker) -> None:
     """Count the scans that show that a track moves: it is where there was free space, or has left a place that is free.
 
-    A track of which that is known is not judged again. The points are those of its cluster, ``(2, n)``.
+    A moving track that has left its beginning is not judged again. The points are those of its cluster, ``(2, n)``.
 
     Reads: tracker (eyes, noise, scan, scans, spacing).
     Writes: one.
     """
+    if one.score > MOST_PROOFS or points.shape[1] == 1:
+        return
     pace = np.sqrt(one.vx * one.vx + one.vy * one.vy)
-    if one.score >= PROOFS or pace < SLOWEST or points.shape[1] == 1:
-        one.score = one.score if one.score >= PROOFS else max(one.score - 1, 0)
+    if pace < SLOWEST or one.place > VAGUE:
+        one.score = max(one.score - 1, 0)
         return
     middle, last = points.shape[1] // 2, points.shape[1] - 1
-    back = min(max(int(SHIFT / (pace * dt) + 0.5), 1), step, tracker.scans.shape[2] - 1)
+    back = min(max(int(SHIFT / (pace * at.dt) + 0.5), 1), at.step, tracker.scans.shape[2] - 1)
     moves = False
     for ago in (back, (back + 1) // 2):
         for k in (0, middle, last):
-            moves = moves or look(w, a, step - ago, points[0, k], points[1, k], tracker) > 0.0
-        x, y = points[0, middle] - ago * dt * one.vx, points[1, middle] - ago * dt * one.vy
-        was = look(w, a, step - ago, x, y, tracker)
-        moves = moves or (look(w, a, step, x, y, tracker) > 0.0 and -2.0 * MARGIN < was < 0.0)
-    one.score += 1 if moves else -min(one.score, 1)
+            moves = moves or look(at, ago, points[0, k], points[1, k], tracker) > 0.0
+        x, y = points[0, middle] - ago * at.dt * one.vx, points[1, middle] - ago * at.dt * one.vy
+        was = look(at, ago, x, y, tracker)
+        moves = moves or (look(at, 0, x, y, tracker) > 0.0 and -2.0 * MARGIN < was < 0.0)
+    one.score = min(one.score + 1, MOST_PROOFS) if moves else max(one.score - 1, 0)
+    dx, dy = one.x - one.begin_x, one.y - one.begin_y
+    if one.score >= PROOFS and dx * dx + dy * dy > SHIFT * SHIFT:
+        one.score = MOST_PROOFS + 1
 
 
 @kernel
-def begin(cluster: Any, points: Floats, a: int, tracks: Records, tracker: Tracker) -> None:
+def begin(at: Moment, cluster: Any, points: Floats, tracker: Tracker) -> None:
     """Begin a track at a cluster, unless a body that is known to move is there, or all places are taken.
 
-    Reads: tracker (noise).
+    Reads: tracker (noise, tracks).
+    Writes: tracker (tracks).
     """
-    free = -1
+    free, tracks = -1, tracker.tracks[at.w, at.a]
     for t in range(tracks.shape[0]):
         dx, dy = tracks[t].x - cluster.x, tracks[t].y - cluster.y
         if not tracks[t].used:
@@ -261,8 +289,9 @@ def begin(cluster: Any, points: Floats, a: int, tracks: Records, tracker: Tracke
         elif tracks[t].score >= PROOFS and dx * dx + dy * dy < (tracks[t].radius + MARGIN) ** 2:
             return
     if free >= 0:
-        one, noise = tracks[free], UNSURE * UNSURE + tracker.noise[a] ** 2
+        one, noise = tracks[free], UNSURE * UNSURE + tracker.noise[at.a] ** 2
         x, y, radius, spread, doubt = fit_disc(points, cluster.x, cluster.y, RADIUS, SPREAD * SPREAD, noise)
         one.x, one.y, one.vx, one.vy, one.radius, one.spread = x, y, 0.0, 0.0, radius, spread
+        one.begin_x, one.begin_y = x, y
         one.place, one.both, one.speed, one.lost = doubt, 0.0, PACE * PACE, 0.0
         one.score, one.cluster, one.used = 0, -1, True

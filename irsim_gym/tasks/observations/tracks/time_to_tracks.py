@@ -1,14 +1,28 @@
 """Time to tracks: the time until the agent touches a moving body that its scans show, for each of many velocities."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 
 from irsim_gym.base.arraytypes import Ints
 from irsim_gym.tasks.observations.bodies.time_to_collision import MovingPoint, ObservesTimes, Velocities, meet_disc
+from irsim_gym.tasks.observations.scan.ranges import WITHOUT_SENSOR
 from irsim_gym.tasks.observations.tracks.following import follow_all
-from irsim_gym.tasks.observations.tracks.tracker import PROOFS, FollowsTracks, Tracker
+from irsim_gym.tasks.observations.tracks.tracker import (
+    ACCEL,
+    KEEP,
+    NEEDS,
+    PROOFS,
+    SIZE,
+    TOLD,
+    Tracker,
+    begin_tracks,
+    share_tracks,
+)
 from irsim_gym.tasks.terms import Bound, EpisodeState, Model, Shard, Simulation, State, Struct, Term, kernel, kind
+from irsim_gym.tasks.terms.term import Needs
 
 
 @dataclass
@@ -20,8 +34,18 @@ class TrackedTimes(Struct):
 
 
 @kind
-class TimeToTracks(FollowsTracks, ObservesTimes):
+class TimeToTracks(ObservesTimes):
     """Time until a disc around the agent touches a body of ``tracks``, with the columns of ``time_to_collision``."""
+
+    needs: ClassVar[Needs] = NEEDS
+    told: ClassVar[Mapping[str, bool]] = TOLD
+
+    size: float = SIZE
+    accel: float = ACCEL
+    keep: float = KEEP
+    without_sensor: str | tuple[str, ...] = WITHOUT_SENSOR
+
+    join, begin = share_tracks, staticmethod(begin_tracks)
 
     def arrays(self, simulation: Simulation, agents: Ints) -> TrackedTimes:
         """Return the tracks, the velocities in the body frame and the radii of the discs around the agents."""

@@ -1,24 +1,26 @@
 """Tracks of moving bodies, from each learner's own scans and odometry. Observations of a task share them."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, ClassVar, Self
+from typing import Any, Self
 
 import numpy as np
 
 from irsim_gym.base.arraytypes import Floats, Ints, Labels, Rays, Records
 from irsim_gym.base.kernels.structs import record_type
-from irsim_gym.base.options import option_fields
 from irsim_gym.simulator.engine.own_scans import own_scan
 from irsim_gym.simulator.world.own_scan import OwnScan
-from irsim_gym.tasks.observations.scan.ranges import WITHOUT_SENSOR, shared_sensors
+from irsim_gym.tasks.observations.scan.ranges import shared_sensors
 from irsim_gym.tasks.observations.tracks.clusters import CLUSTER
-from irsim_gym.tasks.terms import EpisodeState, Model, Shard, Simulation, State, Struct, Term, kernel, kind, option
+from irsim_gym.tasks.terms import EpisodeState, Model, Shard, Simulation, State, Struct, Term, kernel, option
 from irsim_gym.tasks.terms.term import Needs
 
-TRACK = record_type("x y vx vy radius spread place both speed lost", score=np.int64, cluster=np.int64, used=np.bool_)
-"""A disc: centre [m], velocity [m/s], radius [m] and its variance; variances of each coordinate of place and speed and
-their covariance; the time for which it has not been seen [s]; how often it was seen to move; its cluster or -1.
+TRACK = record_type(
+    "x y vx vy begin_x begin_y radius spread place both speed lost", score=np.int64, cluster=np.int64, used=np.bool_
+)
+"""A disc: centre [m], velocity [m/s], where it began [m], radius [m] and its variance; variances of each coordinate of
+place and speed and their covariance; the time for which it has not been seen [s]; how often it was seen to move; its
+cluster or -1.
 """
 
 SLOTS = 32
@@ -29,37 +31,12 @@ PROOFS = 2
 """How many scans must have shown that it moves."""
 
 
-@kind
-class FollowsTracks:
-    """The options of observations that follow tracks."""
-
-    needs: ClassVar[Needs] = ("scan", "odometry")
-
-    size: float = option(1.2, gt=0.0, unit="m", meaning="Wider clusters stand.")
-    accel: float = option(1.5, gt=0.0, unit="m/s2", meaning="Deviation of the bodies' accelerations.")
-    keep: float = option(1.0, ge=0.0, unit="s", meaning="How long a body is followed that is no longer seen.")
-    without_sensor: str | tuple[str, ...] = WITHOUT_SENSOR
-
-    def substitute(self, kind: type) -> Any:
-        """Return an observation of what a robot without a sensor is told, with the same options, as far as it has them.
-
-        Args:
-            kind: A kind of observation.
-        """
-        own = {**{key: getattr(self, key) for key in option_fields(type(self))}, "moving": True}
-        return kind(**{key: value for key, value in own.items() if key in option_fields(kind)})
-
-    def join(self, term: Term, earlier: Sequence[Term]) -> None:
-        """Share the tracks of an earlier observation that follows them alike."""
-        for other in earlier:
-            tracker, own = getattr(other.arrays, "tracker", None), term.arrays.tracker
-            if tracker and (tracker.size, tracker.accel, tracker.keep) == (own.size, own.accel, own.keep):
-                term.arrays.tracker = tracker
-
-    @staticmethod
-    def begin(term: Term, model: Model, state: State, episode: EpisodeState, shard: Shard) -> None:
-        """Delete the tracks."""
-        forget_tracks(shard.worlds, term.arrays.tracker, episode)
+NEEDS: Needs = ("scan", "odometry")
+SIZE = option(1.2, gt=0.0, unit="m", meaning="Wider clusters stand.")
+ACCEL = option(1.5, gt=0.0, unit="m/s2", meaning="Deviation of the bodies' accelerations.")
+KEEP = option(1.0, ge=0.0, unit="s", meaning="How long a body is followed that is no longer seen.")
+TOLD: Mapping[str, bool] = {"moving": True}
+"""What a substitute for a missing sensor is given beside the options that it shares."""
 
 
 @dataclass
@@ -102,11 +79,11 @@ class Tracker(Struct):
     clusters: Records
 
     @classmethod
-    def over(cls, options: FollowsTracks, simulation: Simulation, agents: Ints, name: str) -> Self:
+    def over(cls, options: Any, simulation: Simulation, agents: Ints, name: str) -> Self:
         """Return a tracker that has seen nothing yet.
 
         Args:
-            options: The options of an observation.
+            options: An observation with the options ``size``, ``accel`` and ``keep``.
             simulation: The simulation.
             agents: Body of each learner, shape ``(n_agents,)``.
             name: Name of the observation.
@@ -134,6 +111,20 @@ class Tracker(Struct):
             points=np.zeros((n_slots, 2, 2, n_beams)),
             clusters=np.zeros((n_slots, n_beams), CLUSTER),
         )
+
+
+def share_tracks(options: Any, term: Term, earlier: Sequence[Term]) -> None:
+    """Share the tracks of an earlier observation that follows them alike; the method ``join`` of such observations."""
+    own = term.arrays.tracker
+    for one in earlier:
+        other = getattr(one.arrays, "tracker", None)
+        if other and (other.size, other.accel, other.keep) == (own.size, own.accel, own.keep):
+            term.arrays.tracker = other
+
+
+def begin_tracks(term: Term, model: Model, state: State, episode: EpisodeState, shard: Shard) -> None:
+    """Delete the tracks; the method ``begin`` of observations that follow them."""
+    forget_tracks(shard.worlds, term.arrays.tracker, episode)
 
 
 @kernel

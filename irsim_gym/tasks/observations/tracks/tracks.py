@@ -1,6 +1,8 @@
 """Tracks: moving bodies around an agent, as its own scans show them."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 
@@ -15,9 +17,21 @@ from irsim_gym.tasks.observations.bodies.nearest_bodies import (
     write_gaps,
     write_motion,
 )
+from irsim_gym.tasks.observations.scan.ranges import WITHOUT_SENSOR
 from irsim_gym.tasks.observations.tracks.following import follow_all
-from irsim_gym.tasks.observations.tracks.tracker import PROOFS, FollowsTracks, Tracker
+from irsim_gym.tasks.observations.tracks.tracker import (
+    ACCEL,
+    KEEP,
+    NEEDS,
+    PROOFS,
+    SIZE,
+    TOLD,
+    Tracker,
+    begin_tracks,
+    share_tracks,
+)
 from irsim_gym.tasks.terms import Bound, EpisodeState, Model, Shard, Simulation, State, Struct, Term, kernel, kind
+from irsim_gym.tasks.terms.term import Needs
 
 
 @dataclass
@@ -29,13 +43,23 @@ class Tracked(Struct):
 
 
 @kind
-class Tracks(FollowsTracks, ObservesNearest):
+class Tracks(ObservesNearest):
     """The nearest moving bodies as the agent's own scans show them, with the columns of ``nearest_bodies``.
 
     Neighbouring points of a scan form a cluster, clusters of successive scans a track: a disc with a velocity (a Kalman
     filter). It counts once scans have shown that it moves: it is where there was free space, or has left a place that
     is free now. From then on it counts while it is seen, and for ``keep`` where others hide it.
     """
+
+    needs: ClassVar[Needs] = NEEDS
+    told: ClassVar[Mapping[str, bool]] = TOLD
+
+    size: float = SIZE
+    accel: float = ACCEL
+    keep: float = KEEP
+    without_sensor: str | tuple[str, ...] = WITHOUT_SENSOR
+
+    join, begin = share_tracks, staticmethod(begin_tracks)
 
     def arrays(self, simulation: Simulation, agents: Ints) -> Tracked:
         """Return the tracks and scratch memory."""

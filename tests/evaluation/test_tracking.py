@@ -1,0 +1,39 @@
+"""How good tracks are, against the truth."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from command_line import run
+
+from irsim_gym.evaluation.comparison.tracking import GOOD, NEAR, measure_tracks
+from irsim_gym.evaluation.requests.scenario_request import ScenarioRequest
+
+
+@pytest.mark.parametrize("scenario", ["crossing", "wandering_crowd"])
+def test_nine_of_ten_velocities_are_right_after_half_a_second(scenario: str) -> None:
+    found = measure_tracks(ScenarioRequest(scenario), 8, "dev")
+    away, off, wrong = map(np.concatenate, (found.away, found.off, found.wrong))
+    assert len(away) > 5_000
+    assert (off < NEAR).mean() > 0.92
+    assert (wrong <= GOOD).mean() >= 0.9
+    assert found.minutes == pytest.approx(8 * 0.5)
+
+
+@pytest.mark.parametrize("scenario", ["cluttered_room", "jaxnav_single"])
+def test_what_stands_makes_less_than_a_track_a_minute(scenario: str) -> None:
+    found = measure_tracks(ScenarioRequest(scenario), 20, "dev")
+    assert sum(map(len, found.away)) == 0
+    assert found.false <= found.minutes
+
+
+def test_the_command_prints_shares_by_distance(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run(monkeypatch, "tracks", "crossing", "--levels", "2", "--set", "wanderers=6") == 0
+    lines = capsys.readouterr().out.splitlines()
+    rows = [line.strip("│ ").split("│") for line in lines if " m " in line and "│" in line]
+    assert [row[0].strip() for row in rows] == ["0 to 2 m", "2 to 4 m", "4 to 6 m", "6 to inf m", "0 to inf m"]
+    counts = [int(row[1]) for row in rows]
+    assert sum(counts[:4]) == counts[4] > 1_000
+    assert lines[-1].startswith("false tracks a minute: ")
