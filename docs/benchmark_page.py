@@ -31,7 +31,7 @@ where it was tried, a note of the benchmark says why it cannot.
 """
 ROBOT = (
     "Behaviours know their true pose here, too; what they scan is as bad as what policies scan. Shipped policies "
-    "observe as in training: `cluttered_room_robot` is told the latency and predicts. Rows without a latency have not "
+    "observe as in training: those named `..._robot` are told the latency and predict. Rows without a latency have not "
     "been played for it, or have no 5 points to lose.\n"
 )
 

@@ -6,6 +6,8 @@ import numpy as np
 import pytest
 
 from irsim_gym.base.arraytypes import Floats
+from irsim_gym.evaluation.comparison.evaluate import evaluate_policies
+from irsim_gym.evaluation.requests.scenario_request import ScenarioRequest
 from irsim_gym.scenario import load_scenario
 from irsim_gym.scenario.specs.library import scenario_names
 from irsim_gym.simulator.engine import Simulation, compile
@@ -134,3 +136,18 @@ def test_all_robots_of_a_team_may_learn_and_see_the_same(name: str) -> None:
     assert len(scenario.robots) >= 4
     (lidar,) = {body.sensors for body in scenario.bodies if body.role == "robot"}
     assert (lidar[0].number, lidar[0].range_max, lidar[0].angle_range) == (180, 6.0, pytest.approx(2 * np.pi))
+
+
+@pytest.mark.parametrize(("name", "most"), [("push_box", 0.0), ("clear_doorway", 0.75), ("sort_boxes", 0.0)])
+def test_pushing_has_to_be_learned(name: str, most: float) -> None:
+    """Neither who drives straight at its goal nor who drives at random wins."""
+    found = evaluate_policies(ScenarioRequest(name), ["dash", "random"], levels=64, references=False).summaries
+    assert found[0].success.value <= most
+    assert found[1].success.value <= 0.1
+
+
+def test_a_boat_that_knows_the_floes_works_less_than_one_that_ignores_them() -> None:
+    found = evaluate_policies(ScenarioRequest("ice_channel"), ["ice_channel", "dash"], levels=64, references=False)
+    learned, straight = found.summaries
+    assert learned.success.value == straight.success.value == 1.0
+    assert learned.effort < 0.7 * straight.effort

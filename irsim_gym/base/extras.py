@@ -1,20 +1,13 @@
 """What parts of the package need that it does not install by itself."""
 
 from importlib.util import find_spec
-from types import MappingProxyType
 
 from irsim_gym.base.errors import MissingExtraError
 
-EXTRAS = MappingProxyType(
-    {
-        "train": ("torch", "stable_baselines3", "tensorboard"),
-        "contrib": ("torch", "stable_baselines3", "tensorboard", "sb3_contrib"),
-        "tune": ("torch", "stable_baselines3", "tensorboard", "optuna"),
-        "rllib": ("torch", "stable_baselines3", "tensorboard", "ray"),
-        "robot": ("onnx", "onnxruntime", "rosbags"),
-        "ompl": ("ompl",),
-    }
-)
+LEARNING = ("torch", "stable_baselines3", "tensorboard")
+MORE = {"train": (), "contrib": ("sb3_contrib",), "tune": ("optuna",), "rllib": ("ray",)}
+EXTRAS = {extra: (*LEARNING, *more) for extra, more in MORE.items()}
+EXTRAS |= {"robot": ("onnx", "onnxruntime", "rosbags"), "ompl": ("ompl",)}
 """The modules that each extra brings and that this package imports."""
 
 

@@ -8,17 +8,13 @@ import typer
 from irsim_gym.cli import options as opt
 from irsim_gym.cli.tools import scenario_request
 
-levels = typer.Typer(help="Levels as files: draw, certify and show them.", no_args_is_help=True, add_completion=False)
+levels = typer.Typer(help="Levels as files: draw and certify them.", no_args_is_help=True, add_completion=False)
 
 Splits = Annotated[str, typer.Option("--split", help="Split of the levels: train, dev or test; several: train,dev.")]
 Count = Annotated[int, typer.Option(min=1, max=opt.MOST_LEVELS, help="Number of levels of each split.")]
-Policies = Annotated[
-    list[str] | None, typer.Argument(help="Reference policies (default: random, dash, orca and the planners that fit).")
-]
+Policies = Annotated[list[str] | None, typer.Argument(help="Reference policies (default: those that fit).")]
 Certified = Annotated[str, typer.Argument(help="Shipped name, environment id, YAML file, or file of levels (.npz).")]
-OutOrBeside = Annotated[
-    Path | None, typer.Option(help="File to write (default: NAME.certificate.npz beside the file).")
-]
+OutOrBeside = Annotated[Path | None, typer.Option(help="File to write (default: NAME.certificate.npz beside it).")]
 Out = Annotated[Path, typer.Option(help="File to write, .npz.")]
 
 
@@ -61,23 +57,3 @@ def certify(
 
     request = scenario_request(scenario, task, team, settings, lenient)
     run_certify(request, split, count, policies or None, out)
-
-
-@levels.command()
-def show(
-    scenario: Certified,
-    out: Annotated[Path | None, typer.Option(help=opt.HELP["show out"])] = None,
-    split: opt.Split = "test",
-    number: Annotated[int, typer.Option(min=4, max=100, help=opt.HELP["show number"])] = 16,
-    count: Count = 1000,
-    task: opt.Task = None,
-    team: opt.Team = False,
-    settings: opt.Given = None,
-    lenient: opt.Lenient = False,
-    modules: opt.Imports = None,
-) -> None:
-    """Draw levels into one picture, from the easiest to the hardest if they have a certificate."""
-    from irsim_gym.evaluation.levels.level_sheet import show_levels
-
-    request = scenario_request(scenario, task, team, settings, lenient)
-    print(show_levels(request, split, count, number, out))

@@ -39,12 +39,7 @@ Imports = Annotated[
     typer.Option("--import", callback=import_modules, is_eager=True, metavar="MODULE|FILE.py", help=HELP["Imports"]),
 ]
 
-
-def _lower(name: str | None) -> str | None:
-    return None if name is None else name.lower()
-
-
-Algorithm = Annotated[str | None, typer.Option(callback=_lower, help=HELP["Algorithm"])]
+Algorithm = Annotated[str | None, typer.Option(callback=lambda name: name and name.lower(), help=HELP["Algorithm"])]
 RunFolder = Annotated[Path | None, typer.Option(help=HELP["RunFolder"])]
 Hyperparameters = Annotated[Path | None, typer.Option(help=HELP["Hyperparameters"])]
 Resume = Annotated[bool, typer.Option("--resume", help=HELP["Resume"])]

@@ -9,11 +9,8 @@ from irsim_gym.base.extras import require
 from irsim_gym.cli import options as opt
 from irsim_gym.cli.tools import read_parameters, read_topics, scenario_request
 
-bag = typer.Typer(
-    help="Bags of ROS without ROS: write them, replay them through an export, and learn of a robot from them.",
-    no_args_is_help=True,
-    add_completion=False,
-)
+ABOUT = "Bags of ROS without ROS: write them, replay them through an export, and learn of a robot from them."
+bag = typer.Typer(help=ABOUT, no_args_is_help=True, add_completion=False)
 BagFile = Annotated[Path, typer.Argument(metavar="BAG", help=opt.HELP["BagFile"])]
 Topics = Annotated[list[str] | None, typer.Option("--topic", metavar="ROLE=TOPIC", help=opt.HELP["Topics"])]
 Zeros = Annotated[bool, typer.Option("--zeros", help=opt.HELP["Zeros"])]

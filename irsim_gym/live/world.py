@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from types import TracebackType
 from typing import TYPE_CHECKING, Literal, NoReturn, Self
 
@@ -96,24 +96,12 @@ class World:
         self.draw = Drawing()
         self._irsim_drawing = IrSimDrawing(self._session, self.draw)
         self._camera = Camera(self._session, self.draw)
-        keys = {
-            "reset": self.reset,
-            "next": lambda: self.reset(random=True),
-            "reload": self.reload,
-            "figure": lambda: self.save_figure(f"{self.name}_{self.count:04d}"),
-        }
-        self._viewer = Viewer(
-            self._session, self._status, self._camera, arguments.render_mode, keys, needs_window=render_mode == "human"
-        )
-        self._media = MediaWriter(
-            self._session,
-            self._status,
-            self._camera,
-            self._viewer,
-            record=record,
-            save_at_end=save_ani,
-            options=arguments.film,
-        )
+        keys: dict[str, Callable[[], object]] = {"reset": self.reset, "reload": self.reload}
+        keys["next"] = lambda: self.reset(random=True)
+        keys["figure"] = lambda: self.save_figure(f"{self.name}_{self.count:04d}")
+        seen = (self._session, self._status, self._camera)
+        self._viewer = Viewer(*seen, arguments.render_mode, keys, needs_window=render_mode == "human")
+        self._media = MediaWriter(*seen, self._viewer, record=record, save_at_end=save_ani, options=arguments.film)
         if arguments.log_level is not None:
             self.logger.setLevel(arguments.log_level)
         self._levels.begin()

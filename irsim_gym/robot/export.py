@@ -19,28 +19,12 @@ from irsim_gym.evaluation.policies.policy import Policy
 from irsim_gym.evaluation.protocol.protocol import drive
 from irsim_gym.evaluation.protocol.tables import write_bytes, write_json, write_text
 from irsim_gym.evaluation.requests.scenario_request import ScenarioRequest
-from irsim_gym.evaluation.saved_policies.policies import (
-    SavedPolicy,
-    load_policy,
-    policy_digest,
-    policy_file,
-    policy_names,
-)
+from irsim_gym.evaluation.saved_policies import policies
+from irsim_gym.evaluation.saved_policies.policies import SavedPolicy, load_policy
 from irsim_gym.evaluation.saved_policies.shelf import ShelfPolicy
 from irsim_gym.evaluation.saved_policies.snapshot import take_snapshot
-from irsim_gym.robot.contract import (
-    BodiesForm,
-    GoalForm,
-    Hashes,
-    Results,
-    RobotContract,
-    RobotLimits,
-    ScenarioForm,
-    ShieldForm,
-    StateForm,
-    Stops,
-    TensorForm,
-)
+from irsim_gym.robot import contract as forms
+from irsim_gym.robot.contract import BodiesForm, Hashes, Results, RobotContract, ScenarioForm, ShieldForm, Stops
 from irsim_gym.robot.graph_policy import ComparedPolicy, DelayedPolicy, GraphPolicy, without_latency
 from irsim_gym.robot.inputs import among_discs, is_disc, limits_of, scanner_form, seen_map_form, seers, sees_moving_only
 from irsim_gym.robot.model_card import model_card
@@ -124,7 +108,7 @@ def export_for_robot(
     if not isinstance(loaded, SavedPolicy):
         raise IrsimGymError(f"'{source}' is no trained policy: behaviors plan in the simulator, and cannot leave")
     is_own, request = request is None, request or _trained_in(source, loaded)
-    name, guard = policy_names([source])[0], _shield_form(request, shield, predict, lag)
+    name, guard = policies.policy_names([source])[0], _shield_form(request, shield, predict, lag)
     played = _played(request, loaded, min(levels, LEVELS))
     loaded.check(played)
     network = _network(loaded)
@@ -141,7 +125,7 @@ def export_for_robot(
         results, samples = _late_results(ahead, round(predict / step), played, levels), ahead.samples
     elif discs is not played:
         results = results_of(GraphPolicy(graph), played, levels)
-    contents, hashes = _sealed(graph, samples, scenario_hash(request), policy_digest(source) or "")
+    contents, hashes = _sealed(graph, samples, scenario_hash(request), policies.policy_digest(source) or "")
     form = {"policy": name, "predict": predict, "results": results, **_form(played, graph, samples, period)}
     if is_own and discs is played and predict == 0.0:
         form |= _known_form(loaded)
@@ -218,7 +202,7 @@ def _trained_in(source: str, policy: SavedPolicy) -> ScenarioRequest:
     if card is not None:
         scenario = card.scenario
         return ScenarioRequest(scenario.name, scenario.task, scenario.team is not None, scenario.parameters)
-    run = run_of(policy_file(source))
+    run = run_of(policies.policy_file(source))
     if run.exists():
         return run.own_settings().request()
     raise IrsimGymError(f"the scenario of the training of {source} is not known: name it with --scenario")
@@ -280,7 +264,7 @@ def _form(played: Episodes, graph: PolicyGraph, samples: Mapping[str, NDArray[An
     most = 0 if rows is None else int(np.isfinite(rows).all(axis=2).sum(axis=1).max())
     limits = [None if np.isinf(limit) else float(limit) for limit in model.acceleration_limit[0, b, :size]]
     inputs = {
-        name: TensorForm(shape=("batch", *ANY.get(name, rows.shape[1:])), dtype=str(rows.dtype))
+        name: forms.TensorForm(shape=("batch", *ANY.get(name, rows.shape[1:])), dtype=str(rows.dtype))
         for name, rows in samples.items()
         if name not in ("command", "level")
     }
@@ -293,7 +277,7 @@ def _form(played: Episodes, graph: PolicyGraph, samples: Mapping[str, NDArray[An
         "scan": scanner_form(played) if "scan" in needs else None,
         "seen_map": seen_map_form(played),
         "bodies": None if rows is None else BodiesForm(source="tracked", most=most, moving=sees_moving_only(played)),
-        "robot": RobotLimits(
+        "robot": forms.RobotLimits(
             drive=KINEMATICS.name_of(type(drive)),
             steers=steers(played.simulation, b),
             wheelbase=float(model.wheelbase[b]) if model.drive[b] == ACKERMANN else None,
@@ -303,14 +287,14 @@ def _form(played: Episodes, graph: PolicyGraph, samples: Mapping[str, NDArray[An
             high=tuple(high.tolist()),
             acceleration=tuple(limits),
         ),
-        "goal": GoalForm(
+        "goal": forms.GoalForm(
             frame="map" if "map_frame" in needs else "odom",
             heading=bool(model.arrive_mode[b] == STATE),
             tolerance=float(model.goal_threshold[0, b]),
         ),
         "inputs": inputs,
         "states": {
-            name: StateForm(shape=start.shape, dtype=str(start.dtype), start=_start(start))
+            name: forms.StateForm(shape=start.shape, dtype=str(start.dtype), start=_start(start))
             for name, start in graph.starts.items()
         },
         "outputs": {"command": tuple(f"{word} [{unit}]" for word, unit in played.terms["action"][0].components[0])},

@@ -44,17 +44,11 @@ def scanner_form(episodes: Episodes) -> Scanner | None:
         return None
     options, _, angles = scanner
     view, n_beams = float(angles[-1] - angles[0]), len(angles)
-    return Scanner(
-        beams=n_beams,
-        first=float(angles[0]),
-        step=view / (n_beams - 1) if n_beams > 1 else 0.0,
-        range_min=options.range_min,
-        range_max=options.range_max,
-        mount=options.offset,
-        mounts=tuple((place, place) for place in options.offset),
-        no_return="inf",
-        tested=Tested(beams=(n_beams, n_beams), range_max=(options.range_max,) * 2, field_of_view=(view, view)),
-    )
+    step, widest = view / (n_beams - 1) if n_beams > 1 else 0.0, options.range_max
+    fan: dict[str, Any] = {"beams": n_beams, "first": float(angles[0]), "step": step}
+    mount = {"mount": options.offset, "mounts": tuple((place, place) for place in options.offset)}
+    tested = Tested(beams=(n_beams, n_beams), range_max=(widest, widest), field_of_view=(view, view))
+    return Scanner(**fan, range_min=options.range_min, range_max=widest, **mount, no_return="inf", tested=tested)
 
 
 def seen_map_form(episodes: Episodes) -> SeenMapForm | None:
@@ -64,15 +58,9 @@ def seen_map_form(episodes: Episodes) -> SeenMapForm | None:
     if ways is None:
         return None
     grid, model = ways.seen.grid, episodes.simulation.model
-    return SeenMapForm(
-        origin=(grid.origin_x, grid.origin_y),
-        cell=grid.cell,
-        rows=grid.rows,
-        columns=grid.columns,
-        inflation=float(model.reach[0, episodes.task.agents[0]]) + ways.clearance,
-        every=ways.seen.every,
-        frees=ways.seen.doubted.shape[1] > 0,
-    )
+    lies = {"origin": (grid.origin_x, grid.origin_y), "cell": grid.cell, "rows": grid.rows, "columns": grid.columns}
+    wide = float(model.reach[0, episodes.task.agents[0]]) + ways.clearance
+    return SeenMapForm(**lies, inflation=wide, every=ways.seen.every, frees=ways.seen.doubted.shape[1] > 0)
 
 
 def measured(episodes: Episodes, agent: int = 0) -> Measured:

@@ -19,13 +19,8 @@ if TYPE_CHECKING:
 __all__ = ["BodySpec", "GuiSpec", "MissingFileError", "PlacementSpec", "Scenario", "WorldSpec", "configs_folder"]
 __all__ += ["find", "load_scenario"]
 
-_HOMES = {
-    "MissingFileError": "text.source",
-    "GuiSpec": "specs.gui_spec",
-    "configs_folder": "specs.library",
-    "find": "specs.library",
-    "WorldSpec": "specs.world_spec",
-} | {"load_scenario": "reading.load"}
+_HOMES = {"MissingFileError": "text.source", "GuiSpec": "specs.gui_spec", "configs_folder": "specs.library"}
+_HOMES |= {"find": "specs.library", "WorldSpec": "specs.world_spec", "load_scenario": "reading.load"}
 
 
 def __getattr__(name: str) -> Any:

@@ -14,7 +14,7 @@ from irsim_gym.base import families
 from irsim_gym.base.options import option_fields
 
 families.load()
-LEFT_OUT = frozenset({"recorded", "image", "array"})
+LEFT_OUT = frozenset({"recorded", "image", "array", "ros"})
 """Kinds that need a file or a list of cells."""
 CONFLICTING = frozenset(
     {"lookahead_max", "lateral", "clear_to", "fill_from", "range_min", "alpha", "seed", "radius", "center"}
@@ -135,7 +135,8 @@ def some_shape(rng: Random, *, may_vary: bool) -> dict[str, Any]:
 
 def some_scanner(rng: Random) -> dict[str, Any]:
     """Return a range sensor."""
-    sensor = some_options(rng, families.SENSORS, rng.choice(families.SENSORS.names()))
+    names = [entry.name for entry in families.SENSORS if entry.kind.reading == "ranges"]
+    sensor = some_options(rng, families.SENSORS, rng.choice(names))
     sensor |= {"number": rng.choice((1, 2, 12, 40)), "offset": [rng.choice((0.0, 0.1)), 0.0, rng.choice((0.0, 1.0))]}
     return {key: value for key, value in sensor.items() if key not in ("color", "plot", "scan_time")}
 

@@ -55,7 +55,7 @@ def test_ctrl_c_while_packages_are_loaded_is_no_traceback(tmp_path: Path) -> Non
 @pytest.mark.parametrize(
     ("name", "kinds", "line"),
     [
-        ("reward", "rewards", "collision    Penalty"),
+        ("reward", "rewards", "collision      Penalty"),
         ("behaviours", "behavior", "dash          Drive straight at the goal"),
         ("obstacle_map", "obstacle map", "maze      Corridors between walls"),
         ("sensors", "sensor", "lidar2d       A scanner with"),
@@ -211,8 +211,8 @@ def test_check_names_the_line_that_raised_an_error(
     said = capsys.readouterr()
     assert said.out.splitlines()[0].startswith("never.yaml: fine (robots: 1")  # not what behaviours print
     assert [line.split(":")[0] for line in said.out.splitlines() if ": fine" in line] == ["never.yaml"]
-    assert "exit.yaml: it could not be played: SystemExit: 0" in said.err
-    assert "raise.yaml: it could not be played: KeyError: 'nowhere'" in said.err
+    assert "exit.yaml: could not be played: SystemExit: 0" in said.err
+    assert "raise.yaml: could not be played: KeyError: 'nowhere'" in said.err
     assert "in behavior 'shaky' for 'robot_0', step 5 of world 0" in said.err
     assert f"in {tmp_path / 'shaky.py'}:13" in said.err
     del sys.modules["shaky"]

@@ -66,7 +66,6 @@ def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
             (SCENARIO, TASK, SPLIT, "(did you mean 'dev'?)", "a file of levels ends in .npz"),
         ),
         (("levels", "certify", "cluttered_rom", "dsah", *WORLD), (SCENARIO, TASK, POLICY, SPLIT)),
-        (("levels", "show", "cluttered_rom", *WORLD, "--out", "file.txt"), (SCENARIO, TASK, SPLIT, "is a .png file")),
         (("suite", "run", "coer", "dsah", "--split", "tets"), ("did you mean 'core'", POLICY, SPLIT)),
         (
             ("policies", "export", "runs/nowhere", "my name", "--results", "none.json", "--out", "file.txt"),

@@ -11,6 +11,7 @@ from typing import Any
 
 import irsim
 import irsim.lib.path_planners
+import irsim.msg
 import irsim.world.map
 import irsim.world.sensors
 import pytest
@@ -21,15 +22,18 @@ import irsim_gym.irsim as ours
 from irsim_gym.bodies.behaviors.python.views import BodyView, tell_missing
 
 FILE = """
-world: {height: 8, width: 8, step_time: 0.1}
+world: {height: 8, width: 8, step_time: 0.1, collision_mode: contact}
 robot:
   - kinematics: {name: diff}
     state: [1, 1, 0]
     goal: [7, 6, 0]
-    sensors: [{name: lidar2d, number: 12}, {name: fmcw_lidar2d, number: 4}]
+    sensors: [{name: lidar2d, number: 12}, {name: fmcw_lidar2d, number: 4}, {name: contact2d}]
 obstacle:
   - shape: {name: rectangle, length: 2, width: 0.6}
     state: [4, 3, 0.5]
+  - shape: {name: rectangle, length: 0.6, width: 0.6}
+    state: [1.49, 1, 0]
+    mass: 2
 """
 INNER = {"bind_env", "debug_step"}
 
@@ -122,6 +126,24 @@ def test_names_of_bodies_and_sensors(both: tuple[Any, Any]) -> None:
     group = here.simulation.parts.kinematics[0]
     view = BodyView(group, here.simulation.model, here.simulation.state, 0, 0)
     assert not untold(view, public(theirs.robot))
+
+
+def test_names_of_contacts_and_messages(both: tuple[Any, Any]) -> None:
+    theirs, here = both
+    assert (len(theirs.contacts), len(here.contacts)) == (1, 1)
+    assert not untold(here.contacts[0], public(theirs.contacts[0]))
+    for one, own in zip(theirs.objects, here.objects, strict=True):
+        assert not untold(own.contact, public(one.contact))
+        for report, other in zip(one.contact.reports, own.contact.reports, strict=True):
+            assert not untold(other, public(report))
+    assert here.robot.sensors[2].force.tolist() == here.robot.contact.force.tolist() != [[0.0], [0.0]]
+    for name in irsim.msg.__all__:
+        kind = getattr(irsim.msg, name)
+        fields = set(getattr(kind, "__slots__", ()))
+        assert not untold(getattr(ours, name), set(public(kind)) - fields), name
+        assert not untold(getattr(ours, name)(), fields), name
+    with pytest.raises(AttributeError, match=r"WorldState has no 'from_env': world.get_msg\(\) makes"):
+        ours.WorldState.from_env(here)
 
 
 def test_names_of_planners(both: tuple[Any, Any]) -> None:

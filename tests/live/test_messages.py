@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import dataclasses
+import json
+import re
 from collections.abc import Iterator
 from pathlib import Path
 from types import SimpleNamespace
@@ -105,6 +107,21 @@ def test_a_world_reads_as_in_ir_sim(theirs: Any, ours: Any, use_inf: bool) -> No
             assert found[name] == pytest.approx(value, abs=1e-9), name
         elif not name.endswith("goal"):
             assert (type(found[name]), found[name]) == (type(value), value), name
+
+
+def test_a_message_is_plain_data_for_json(theirs: Any, ours: Any) -> None:
+    """The same keys and numbers as IR-SIM's, but for the goals that IR-SIM gives obstacles without one."""
+    step(theirs)
+    step(ours)
+    expected, found = (json.loads(json.dumps(world.get_msg().to_dict())) for world in (theirs, ours))
+    for body in (*expected["objects"][3:], *found["objects"][3:]):
+        del body["goal"]
+    assert found.keys() == expected.keys()
+    assert [body.keys() for body in found["objects"]] == [body.keys() for body in expected["objects"]]
+    for own, body in zip(found["objects"], expected["objects"], strict=True):
+        for name in ("odom", "scan", "goal"):
+            numbers = [re.findall(r"-?\d+\.\d+(?:e-?\d+)?", json.dumps(one.get(name))) for one in (own, body)]
+            np.testing.assert_allclose(*np.array(numbers, np.float64), rtol=0, atol=1e-5)
 
 
 def test_ranges_without_a_return_are_infinite() -> None:

@@ -93,6 +93,7 @@ def test_the_model_card_has_a_front_matter_with_the_success_rate(exported: Robot
     [
         ("general", ["'nearest_bodies' needs bodies (the true state of other bodies)"]),
         ("cluttered_room_images", ["'occupancy_image' needs bodies"]),
+        ("push_box", ["'movable_bodies' needs bodies", "'contact' needs bodies"]),
         ("dash", ["is no trained policy"]),
     ],
 )

@@ -493,8 +493,8 @@ CONTACT = {
     "drive": ("robot:\n  kinematics: {name: diff, tau: -1}", "2 robot.kinematics.tau: must be >= 0, got -1"),
     "a body that coasts decides nothing": (
         "obstacle:\n  mass: 1\n  behavior: {name: dash}",
-        "3 obstacle.behavior: a body that coasts, with a mass and no drive, decides nothing: add kinematics or remove "
-        "the behavior",
+        "3 obstacle.behavior: a body that coasts (a mass, no drive) decides nothing: add kinematics or remove the "
+        "behavior",
     ),
 }
 CASES = {

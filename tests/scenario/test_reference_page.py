@@ -83,9 +83,9 @@ def test_the_keys_of_a_task_are_shown() -> None:
     assert [key for key in keys if key not in shown] == []
 
 
-def test_the_page_lists_the_parameters_of_teams() -> None:
+def test_the_page_lists_the_parameters_of_teams_and_of_pushing() -> None:
     rows = re.findall(r"^\| `(\w+)` \| (`\w+` \d.*?) \|", PAGE.read_text(encoding="utf-8"), re.MULTILINE)
-    assert len(rows) == 6
+    assert len(rows) == 9
     for name, cell in rows:
         told = {key: float(value) for key, value in re.findall(r"`(\w+)` ([\d.]+)", cell)}
         assert told == load_scenario(name).parameters

@@ -116,6 +116,28 @@ def test_the_mixture_maze_robot_draws_disturbances_with_and_without_loops() -> N
         assert load_task(scenario, found.task).predict is True
 
 
+def test_the_mixture_general_robot_has_the_scenarios_of_general_with_and_without_disturbances() -> None:
+    first, late = (read_mixture(mixture_file(name)) for name in ("general", "general_robot"))  # type: ignore[arg-type]
+    scenarios = [load_scenario(one.scenario, one.parameters) for one in late.parts]
+    assert [(one.label, one.disturbances) for one in scenarios[1::2]] == [
+        (load_scenario(one.scenario, one.parameters).label, ()) for one in first.parts
+    ]
+    assert [len(one.disturbances) for one in scenarios[::2]] == [6, 6, 6, 6, 6, 4]
+    assert [one.share for one in late.parts[::2]] == [2.0 * one.share for one in late.parts[1::2]]
+    assert [one.share for one in late.parts[::2]] == [one.share for one in first.parts]
+
+
+def test_the_mixture_dense_room_memory_robot_has_worlds_with_fewer_disturbances_and_without() -> None:
+    found = read_mixture(mixture_file("dense_room_memory_robot"))  # type: ignore[arg-type]
+    scenarios = [load_scenario(one.scenario, one.parameters) for one in found.parts]
+    assert [(one.share, len(scenario.disturbances)) for one, scenario in zip(found.parts, scenarios, strict=True)] == [
+        (2.0, 6),
+        (1.0, 6),
+        (1.0, 0),
+    ]
+    assert all(load_task(scenario, found.task).predict is True for scenario in scenarios)
+
+
 def test_the_mixtures_of_many_robots_have_the_same_scenarios_but_other_shares() -> None:
     first, careful = (read_mixture(mixture_file(name)) for name in ("rl_rvo", "rl_rvo_careful"))  # type: ignore[arg-type]
     assert [(one.scenario, one.parameters) for one in first.parts] == [

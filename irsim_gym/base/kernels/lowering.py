@@ -100,9 +100,7 @@ class KernelLower(Lower):  # type: ignore[misc]
             kind = self.typeof(expr.value.name)
             if hasattr(kind, "part") and kind.fields[expr.attr] == resty:
                 block = self.loadvar(expr.value.name)
-                return KernelValue(
-                    resty, lambda *place: kind.part(self.context, self.builder, block, expr.attr, *place)
-                )
+                return KernelValue(resty, lambda *at: kind.part(self.context, self.builder, block, expr.attr, *at))
         if expr.op == "getattr" and expr.attr == "shape" and isinstance(self.typeof(expr.value.name), types.Array):
             array = self._array(expr.value)
             return KernelValue(resty, lambda axis: array.part(SHAPE, axis)).whole(self.context, self.builder)

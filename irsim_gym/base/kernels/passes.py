@@ -14,21 +14,9 @@ from irsim_gym.base.kernels.lowering import KernelLowering
 from irsim_gym.base.kernels.resolution import Typing
 
 PACKAGE = str(Path(__file__).parents[2])
-NEEDLESS = {
-    "WithLifting",
-    "InlineClosureLikes",
-    "RewriteSemanticConstants",
-    "RewriteDynamicRaises",
-    "MakeFunctionToJitFunction",
-    "InlineInlinables",
-    "FindLiterallyCalls",
-    "LiteralUnroll",
-    "LiteralPropagationSubPipelinePass",
-    "InlineOverloads",
-    "NopythonRewrites",
-    "NoPythonSupportedFeatureValidation",
-    "DumpParforDiagnostics",
-}
+NEEDLESS = {"WithLifting", "InlineClosureLikes", "RewriteSemanticConstants", "RewriteDynamicRaises", "InlineOverloads"}
+NEEDLESS |= {"MakeFunctionToJitFunction", "InlineInlinables", "FindLiterallyCalls", "LiteralUnroll", "NopythonRewrites"}
+NEEDLESS |= {"LiteralPropagationSubPipelinePass", "NoPythonSupportedFeatureValidation", "DumpParforDiagnostics"}
 KERNEL_LOWERING = {"NativeLowering": KernelLowering}
 Compiler: Any = compiler.Compiler
 

@@ -20,11 +20,7 @@ class Dash(RenewsGoals):
 
     target_roles: Literal["all", "robot", "obstacle"] = option("all", meaning="No effect: dash looks at nobody.")
     angle_tolerance: float = option(
-        0.1,
-        ge=0.0,
-        unit="rad",
-        meaning="No turn while the goal's bearing is less.",
-        consequence="Large: it misses its goal.",
+        0.1, ge=0.0, unit="rad", meaning="No turn while the goal's bearing is less.", consequence="Large: it misses."
     )
 
     @staticmethod

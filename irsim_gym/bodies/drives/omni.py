@@ -8,20 +8,8 @@ import numpy as np
 from irsim_gym.bodies.drives import motion_noise
 from irsim_gym.bodies.drives.motion_noise import Variances
 from irsim_gym.simulator.geometry.angles import wrap_below, wrap_from
-from irsim_gym.simulator.world.names import (
-    OMNI_ANGULAR,
-    OMNI_BODY,
-    OMNI_WORLD,
-    Floats,
-    Group,
-    Ints,
-    Model,
-    Shard,
-    State,
-    kernel,
-    kind,
-    option,
-)
+from irsim_gym.simulator.world.model import OMNI_ANGULAR, OMNI_BODY, OMNI_WORLD
+from irsim_gym.simulator.world.names import Floats, Group, Ints, Model, Shard, State, kernel, kind, option
 
 
 @kind
@@ -32,9 +20,7 @@ class Omni(motion_noise.NoisyDrive):
     mirrored_command: ClassVar[tuple[tuple[int, int], ...]] = ((0, 1), (1, -1))
 
     frame: Literal["world", "body"] = option("world", meaning="Frame of the command: world, or body (forward, left).")
-    bound: Literal["components", "speed"] = option(
-        "components", meaning="What vel_max limits: each component, or speed in any direction too."
-    )
+    bound: Literal["components", "speed"] = option("components", meaning="vel_max limits components, or the speed too.")
     alpha: tuple[float, ...] = option(
         (0.03, 0.03),
         min_length=2,

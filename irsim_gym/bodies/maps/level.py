@@ -38,12 +38,9 @@ class MapTables(Struct):
 def map_tables(model: Model, n_slots: int) -> MapTables:
     """Return memory for maps of the model's size."""
     columns, rows = model.map_room.shape[1:]
-    return MapTables(
-        occupied=np.zeros((n_slots, columns, rows), np.bool_),
-        before=np.zeros((n_slots, columns, rows), np.bool_),
-        line=np.zeros((n_slots, columns)),
-        order=np.zeros((n_slots, max(columns * rows, LEAST_ORDER)), np.int64),
-    )
+    occupied, before = (np.zeros((n_slots, columns, rows), np.bool_) for _ in range(2))
+    order = np.zeros((n_slots, max(columns * rows, LEAST_ORDER)), np.int64)
+    return MapTables(occupied=occupied, before=before, line=np.zeros((n_slots, columns)), order=order)
 
 
 @kind
@@ -51,11 +48,7 @@ class CellsKind:
     """The base class of maps of cells."""
 
     disc_radius: float | None = option(
-        None,
-        gt=0.0,
-        unit="m",
-        meaning="Each occupied cell holds a disc of this radius in its middle, at most half a cell; default: all of it "
-        "is occupied.",
+        None, gt=0.0, unit="m", meaning="Occupied cells hold discs of this radius; default: they are all occupied."
     )
 
     def outline(self) -> Outline:

@@ -177,10 +177,7 @@ class RoomsMap(LevelMap):
         if self.number[1] > MOST_ROOMS:
             yield "number", f"must be at most {MOST_ROOMS}, got {self.number[1]}"
         if self.door[1] > self.least_side:
-            yield (
-                "door",
-                f"must fit in the shortest wall: at most least_side {self.least_side:g}, got {self.door[1]:g}",
-            )
+            yield ("door", f"must fit the shortest wall: at most least_side {self.least_side:g}, got {self.door[1]:g}")
 
     def occupied(self, width: float, height: float, name: str, find: Callable[[str], Path]) -> Flags:
         """Return the border, shape ``(columns, rows)``.

@@ -45,8 +45,8 @@ class RandomPlacement:
         None,
         ge=0.0,
         unit="m",
-        meaning="Minimum distance between the origins (and between the goals) of one entry. Default: 1 m, or 0 "
-        "if there is no room for that.",
+        meaning="Minimum distance between the origins (and between the goals) of one entry. Default: 1 m, or 0 if "
+        "there is no room for that.",
         consequence="As clearance.",
     )
     clearance: float = option(
@@ -57,11 +57,7 @@ class RandomPlacement:
         consequence="Large in a full world: levels take long to draw, or cannot be.",
     )
     min_goal_distance: float = option(
-        0.0,
-        ge=0.0,
-        unit="m",
-        meaning="Least way from start to goal.",
-        consequence="Too large: an error names the body.",
+        0.0, ge=0.0, unit="m", meaning="Least way to the goal.", consequence="Too large: an error names the body."
     )
     reachable: bool = option(False, meaning="Draw only goals that a disc around the body can reach past static ones.")
     goals: int = goals_option()

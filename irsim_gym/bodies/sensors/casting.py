@@ -16,15 +16,9 @@ def cast_segments(segments: Floats, eye: Eye, beams_x: Rays, beams_y: Rays, inve
     x, y, cosine, sine = eye
     for s in range(segments.shape[0]):
         ax, ay, bx, by = segments[s, 0] - x, segments[s, 1] - y, segments[s, 2] - x, segments[s, 3] - y
-        inverse_depth_segment(
-            np.float32(cosine * ax + sine * ay),
-            np.float32(cosine * ay - sine * ax),
-            np.float32(cosine * bx + sine * by),
-            np.float32(cosine * by - sine * bx),
-            beams_x,
-            beams_y,
-            inverse,
-        )
+        px, py = np.float32(cosine * ax + sine * ay), np.float32(cosine * ay - sine * ax)
+        qx, qy = np.float32(cosine * bx + sine * by), np.float32(cosine * by - sine * bx)
+        inverse_depth_segment(px, py, qx, qy, beams_x, beams_y, inverse)
 
 
 @kernel

@@ -64,8 +64,5 @@ class FmcwLidar2D(scanning.RangeSensor):
     @staticmethod
     def report(group: Group, member: int, world: int) -> dict[str, Any]:
         """Return a copy of the scan under IR-SIM's names; ``radial_velocity`` [m/s] has shape ``(n_beams,)``."""
-        return {
-            **reports.scan_report(group, member, world),
-            "radial_velocity": group.arrays["radial_velocity"][world, member].copy(),
-            "valid": reports.is_valid(group, member, world),
-        }
+        report, speeds = reports.scan_report(group, member, world), group.arrays["radial_velocity"][world, member]
+        return {**report, "radial_velocity": speeds.copy(), "valid": reports.is_valid(group, member, world)}

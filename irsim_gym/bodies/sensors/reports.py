@@ -17,17 +17,10 @@ def scan_report(group: Group, member: int, world: int) -> dict[str, Any]:
     ``time_increment`` [s] is 0.
     """
     options, angles = group.options[member], group.arrays["angles"]
-    return {
-        "angle_min": float(angles[0]),
-        "angle_max": float(angles[-1]),
-        "angle_increment": float(angles[-1] - angles[0]) / max(len(angles) - 1, 1),
-        "time_increment": 0.0,
-        "scan_time": options.scan_time,
-        "range_min": options.range_min,
-        "range_max": options.range_max,
-        "ranges": read_ranges(group, member, world),
-        "intensities": None,
-    }
+    step = float(angles[-1] - angles[0]) / max(len(angles) - 1, 1)
+    fan = {"angle_min": float(angles[0]), "angle_max": float(angles[-1]), "angle_increment": step}
+    seen = {"range_min": options.range_min, "range_max": options.range_max, "ranges": read_ranges(group, member, world)}
+    return {**fan, "time_increment": 0.0, "scan_time": options.scan_time, **seen, "intensities": None}
 
 
 def read_ranges(group: Group, member: int, world: int) -> Floats:

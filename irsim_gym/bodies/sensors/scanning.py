@@ -42,9 +42,7 @@ class RangeSensor:
 
     reading: ClassVar[str] = "ranges"
 
-    number: int = option(
-        100, ge=1, le=100_000, meaning="Number of beams.", consequence="Many: slow. Few: thin things are missed."
-    )
+    number: int = option(100, ge=1, le=100_000, meaning="Number of beams.", consequence="Few: thin things are missed.")
     angle_range: float = option(
         np.pi,
         ge=0.0,

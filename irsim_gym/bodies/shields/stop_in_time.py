@@ -6,20 +6,8 @@ from irsim_gym.bodies.shields.rolling import brakes_in_time
 from irsim_gym.bodies.shields.tables import ShieldTables, lay_tables
 from irsim_gym.bodies.shields.walls import ROUNDING, lay_walls
 from irsim_gym.simulator.geometry.angles import wrap
-from irsim_gym.simulator.world.names import (
-    ACKERMANN,
-    DIFFERENTIAL,
-    OMNI_ANGULAR,
-    Floats,
-    Group,
-    Ints,
-    Model,
-    Shard,
-    State,
-    kernel,
-    kind,
-    option,
-)
+from irsim_gym.simulator.world.model import ACKERMANN, DIFFERENTIAL, OMNI_ANGULAR
+from irsim_gym.simulator.world.names import Floats, Group, Ints, Model, Shard, State, kernel, kind, option
 from irsim_gym.simulator.world.response import Response
 from irsim_gym.simulator.world.twist import body_twist
 

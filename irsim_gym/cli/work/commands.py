@@ -120,7 +120,7 @@ def is_enough(until: float, levels: int, run: Run) -> bool:
 def _notes(settings: Settings) -> Iterator[str]:
     """Yield warnings of settings that are valid but probably not intended."""
     hyper = settings.hyperparameters
-    if hyper.team is not None and _team_size(settings) == 1:
+    if hyper.team is not None and max(len(part.load_task()[1].agents) for part in settings.parts()) == 1:
         yield "this team has one robot; --team needs several"
     starts = hyper.arguments.get("learning_starts", 0)
     if starts >= hyper.n_timesteps:
@@ -130,10 +130,6 @@ def _notes(settings: Settings) -> Iterator[str]:
         warned = set(doubts(scenario)) | set(scenario.ignored)
         further = [note for note in notes(scenario) if note not in warned]
         yield from (f"{note.path}: {note.message}" for note in (*further, *survey(scenario, task)))
-
-
-def _team_size(settings: Settings) -> int:
-    return max(len(part.load_task()[1].agents) for part in settings.parts())
 
 
 def _verdict_lines(run: Run, last: Point) -> list[str]:

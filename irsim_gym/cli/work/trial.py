@@ -206,9 +206,5 @@ def _played(file: str, reading: ReadOptions) -> Played:
         outside = [frame for frame in frames if not frame.filename.startswith(PACKAGE)] or frames
         lines = traceback.format_exception_only(error)
         place = f"  in {outside[-1].filename}:{outside[-1].lineno}"
-        told = [f"{file}: it could not be played: {lines[0].strip()}", *map(_indented, lines[1:]), place]
+        told = [f"{file}: could not be played: {lines[0].strip()}", *(f"  {one.rstrip()}" for one in lines[1:]), place]
         return Played("\n".join(told))
-
-
-def _indented(line: str) -> str:
-    return f"  {line.rstrip()}"

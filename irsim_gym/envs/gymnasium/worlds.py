@@ -9,18 +9,9 @@ import numpy as np
 from gymnasium.error import ResetNeeded
 from numpy.typing import NDArray
 
+from irsim_gym.base import errors
 from irsim_gym.base.arraytypes import Flags, Ints, Rays
-from irsim_gym.base.errors import (
-    MissingScenarioError,
-    Problem,
-    ScenarioWarning,
-    SeveralAgentsError,
-    UnknownKeywordError,
-    UnknownNameError,
-    several,
-    suggestion,
-    warn_caller,
-)
+from irsim_gym.base.errors import Problem, ScenarioWarning, several, suggestion, warn_caller
 from irsim_gym.envs.described.description import Description, describe
 from irsim_gym.envs.described.moment import WorldMoment
 from irsim_gym.envs.parts.action_masks import ActionMasks
@@ -33,7 +24,7 @@ from irsim_gym.envs.parts.spaces import Observation, action_space, observation_l
 from irsim_gym.scenario import Scenario, load_scenario
 from irsim_gym.scenario.reading.parameters import given_as_keywords
 from irsim_gym.scenario.specs.ids import ANY, SOURCES
-from irsim_gym.simulator.engine import Simulation, compile
+from irsim_gym.simulator.engine import compile
 from irsim_gym.simulator.engine.given import LEVELS, check_worlds
 from irsim_gym.tasks import Episodes, Task, load_task
 from irsim_gym.tasks.definition.sight import all_of, idle_robots
@@ -86,11 +77,11 @@ class Worlds:
         self.scenario = _loaded(scenario, parameters or {}, strict)
         self.task = load_task(self.scenario, task, agreed_limit(max_steps, outer_limit), team=team)
         check_worlds(n_worlds, worlds_are)
-        self.simulation = self._compiled(n_worlds, num_threads)
+        self.simulation = compile(self.scenario, n_worlds, agents=self.task.agents, num_threads=num_threads)
         self.episodes = Episodes(self.simulation, self.task)
         self.infos = Infos(self.episodes)
         if self.episodes.n_agents != 1 and not team:
-            raise SeveralAgentsError(
+            raise errors.SeveralAgentsError(
                 f"a single-agent environment needs one learner, but task '{self.task.name}' has "
                 f"{self.episodes.n_agents}: name one robot in 'task.agents', or use parallel_env, make_batch or "
                 "sb3.make_multi_agent_vec_env, on the command line --team"
@@ -108,9 +99,6 @@ class Worlds:
         self._row: Rays | None = None
         self._masks: ActionMasks | None = None
         self._mirror: Mirror | None = None
-
-    def _compiled(self, n_worlds: int, num_threads: int) -> Simulation:
-        return compile(self.scenario, n_worlds, agents=self.task.agents, num_threads=num_threads)
 
     def __repr__(self) -> str:
         return f"<Worlds {self.summary}>"
@@ -282,7 +270,7 @@ class Worlds:
         """
         names = self.agent_names
         if isinstance(agent, str) and agent not in names:
-            raise UnknownNameError(f"no agent named {agent!r}{suggestion(agent, names)}")
+            raise errors.UnknownNameError(f"no agent named {agent!r}{suggestion(agent, names)}")
         a = names.index(agent) if isinstance(agent, str) else agent
         return describe(self.episodes, {**self.info_of(0, a), **(more or {})}, a, of_agent=of_agent)
 
@@ -304,11 +292,11 @@ def _warn_of_idle_robots(scenario: Scenario, task: Task) -> None:
 def _loaded(scenario: ScenarioSource | None, parameters: Mapping[str, object], strict: bool) -> Scenario:
     if scenario is None:
         way = f"gymnasium.make('{ANY}', scenario='my_world.yaml')"
-        raise MissingScenarioError(f"no scenario given: {way} takes {SOURCES}")
+        raise errors.MissingScenarioError(f"no scenario given: {way} takes {SOURCES}")
     if not isinstance(scenario, Scenario):
         with given_as_keywords():
             return load_scenario(scenario, parameters, strict=strict)
     if parameters:
         message = f"pass parameters to load_scenario(); '{scenario.name}' is already loaded"
-        raise UnknownKeywordError.of(next(iter(parameters)), message)
+        raise errors.UnknownKeywordError.of(next(iter(parameters)), message)
     return scenario if strict else replace(scenario, strict=False)

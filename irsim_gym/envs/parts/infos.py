@@ -19,10 +19,7 @@ FLAGS = ("is_success", "deadlocked")
 DERIVED = ("_together", "_flat", "_flat_terms", "_row")
 """Attributes that point into arrays; a copy finds its own."""
 KEYS = (*NUMBERS, *COUNTS, *FLAGS)
-_NUMPY: dict[str, Callable[[Any], Any]] = {
-    **dict.fromkeys((*COUNTS, "shield", "cost"), np.int64),
-    **dict.fromkeys(FLAGS, np.array),
-}
+_NUMPY: dict[str, Any] = {**dict.fromkeys((*COUNTS, "shield", "cost"), np.int64), **dict.fromkeys(FLAGS, np.array)}
 """NumPy's types of all but floats; Gymnasium's vector environments make objects of ``np.bool_``."""
 Row = tuple[Any, ...]
 """The values of ``KEYS``, of the reward's terms and of extras; ``alone`` reads reward and flags behind them."""
@@ -70,19 +67,14 @@ class Infos:
             is_success, deadlocked,
         ) = row[: len(KEYS)]  # fmt: skip
         # Keys are written out: 0.59 us for 18 of them, where dict(zip(...)) takes 0.80, of a step of some 3 us.
-        info = {
-            "outcome": outcome,
-            "hit": hit,
-            "hit_kind": hit_kind,
-            "path_length": path_length,
+        info = {"outcome": outcome, "hit": hit, "hit_kind": hit_kind, "path_length": path_length}
+        info |= {
             "min_clearance": min_clearance,
             "goal_distance": goal_distance,
             "is_success": is_success,
             "steps": steps,
-            "stalled": stalled,
-            "deadlocked": deadlocked,
-            "level": level,
         }
+        info |= {"stalled": stalled, "deadlocked": deadlocked, "level": level}
         for place, name in self._places:
             info[name] = row[place]
         return _in_numpy(info) if self._in_numpy else info

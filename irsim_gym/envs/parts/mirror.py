@@ -1,7 +1,5 @@
 """Mirrored experience: observations and actions of a world whose left and right are exchanged."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any

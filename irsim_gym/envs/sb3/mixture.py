@@ -126,12 +126,7 @@ class MixtureVecEnv(VecEnv):
         for name, ended, told in zip(self.parts, dones, infos, strict=True):
             for slot in ended.nonzero()[0].tolist():
                 told[slot]["scenario"] = name
-        return (
-            concatenated(seen),
-            np.concatenate(rewards),
-            np.concatenate(dones),
-            [one for told in infos for one in told],
-        )
+        return concatenated(seen), np.concatenate(rewards), np.concatenate(dones), [one for row in infos for one in row]
 
     @property
     def reward_names(self) -> tuple[str, ...]:

@@ -7,16 +7,10 @@ import torch
 from gymnasium import Space
 from gymnasium.spaces import Box, Dict
 from numpy.typing import NDArray
+from stable_baselines3.common import torch_layers as layers
 from stable_baselines3.common.distributions import Distribution
 from stable_baselines3.common.policies import ActorCriticPolicy
 from stable_baselines3.common.preprocessing import is_image_space
-from stable_baselines3.common.torch_layers import (
-    BaseFeaturesExtractor,
-    CombinedExtractor,
-    FlattenExtractor,
-    MlpExtractor,
-    NatureCNN,
-)
 from stable_baselines3.common.type_aliases import PyTorchObs
 from torch import nn
 from torch.nn.utils.rnn import PackedSequence
@@ -86,9 +80,9 @@ class GruPolicy(ActorCriticPolicy):
                 if name.startswith("weight"):
                     nn.init.orthogonal_(weight)
         shape: dict[str, Any] = {"net_arch": self.net_arch, "activation_fn": self.activation_fn, "device": self.device}
-        self.mlp_extractor = MlpExtractor(n_seen + self.memory_size, **shape)
+        self.mlp_extractor = layers.MlpExtractor(n_seen + self.memory_size, **shape)
         # A second one, although one holds both networks: a seed shall give the weights that it has always given.
-        critic = MlpExtractor(self.vf_features_extractor.features_dim + self.memory_size, **shape)
+        critic = layers.MlpExtractor(self.vf_features_extractor.features_dim + self.memory_size, **shape)
         self.mlp_extractor.value_net, self.mlp_extractor.latent_dim_vf = critic.value_net, critic.latent_dim_vf
 
     def first_memory(self, n: int) -> torch.Tensor:
@@ -164,7 +158,7 @@ class GruPolicy(ActorCriticPolicy):
     def _seen(self, obs: PyTorchObs) -> torch.Tensor:
         return self._features(obs, self.pi_features_extractor)
 
-    def _features(self, obs: PyTorchObs, extractor: BaseFeaturesExtractor) -> torch.Tensor:
+    def _features(self, obs: PyTorchObs, extractor: layers.BaseFeaturesExtractor) -> torch.Tensor:
         features: torch.Tensor = super(ActorCriticPolicy, self).extract_features(obs, extractor)
         return features
 
@@ -184,7 +178,7 @@ class GruPolicy(ActorCriticPolicy):
         return values
 
 
-def _extractor_for(space: Space[Any]) -> type[BaseFeaturesExtractor]:
+def _extractor_for(space: Space[Any]) -> type[layers.BaseFeaturesExtractor]:
     if isinstance(space, Dict):
-        return CombinedExtractor
-    return NatureCNN if is_image_space(space) else FlattenExtractor
+        return layers.CombinedExtractor
+    return layers.NatureCNN if is_image_space(space) else layers.FlattenExtractor

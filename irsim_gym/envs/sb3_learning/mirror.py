@@ -126,9 +126,7 @@ def common_mirror(env: VecEnv) -> Mirror:
             raise IrsimGymError(f"mirrored rows need an environment of irsim_gym, got {env.unwrapped}")
         mirrors: list[Mirror] = env.env_method("mirror")
     except (EOFError, ConnectionError) as error:
-        raise IrsimGymError(
-            "a worker process ended when it was asked for its mirror: call mirror() of one environment to see why"
-        ) from error
+        raise IrsimGymError("a worker ended when asked for its mirror: mirror() of one environment says why") from error
     if not all(mirror is mirrors[0] or _equal(mirror, mirrors[0]) for mirror in mirrors):
         raise IrsimGymError("mirrored rows need slots that observe and act alike")
     return mirrors[0]

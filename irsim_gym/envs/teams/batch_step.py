@@ -1,7 +1,5 @@
 """What a batch of worlds with many learners gives at each step."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Any
 

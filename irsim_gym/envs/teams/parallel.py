@@ -18,15 +18,10 @@ from irsim_gym.base.errors import UnknownNameError, suggestion
 from irsim_gym.envs.described.description import Description
 from irsim_gym.envs.gymnasium.explained import OneWorld
 from irsim_gym.envs.gymnasium.worlds import ScenarioSource, TaskSource, Worlds
+from irsim_gym.envs.parts import spaces
 from irsim_gym.envs.parts.observations import on_each
 from irsim_gym.envs.parts.pictures import RENDER_MODES, render_warning
-from irsim_gym.envs.parts.spaces import (
-    Observation,
-    ObservationLayout,
-    action_space,
-    observation_layout,
-    observation_space,
-)
+from irsim_gym.envs.parts.spaces import Observation, ObservationLayout
 from irsim_gym.simulator.engine.given import LEVELS
 from irsim_gym.tasks.episodes.levels import CHAIN
 
@@ -65,15 +60,8 @@ def parallel_env(
     """
     if max_steps is not None and max_cycles not in (None, max_steps):
         raise ValueError(f"max_steps and max_cycles are the same limit, got {max_steps} and {max_cycles}")
-    worlds = Worlds(
-        scenario,
-        task=task,
-        max_steps=max_cycles if max_steps is None else max_steps,
-        render_mode=render_mode,
-        team=True,
-        parameters=parameters,
-        strict=strict,
-    )
+    how: dict[str, Any] = {"max_steps": max_cycles if max_steps is None else max_steps, "render_mode": render_mode}
+    worlds = Worlds(scenario, task=task, team=True, parameters=parameters, strict=strict, **how)
     return WorldParallelEnv(worlds, padded=padded, black_death=black_death)
 
 
@@ -136,12 +124,8 @@ class WorldParallelEnv(OneWorld, ParallelEnv[str, Observation, Any]):  # type: i
         self.worlds = worlds
         self.black_death = black_death
         self.render_mode = worlds.render_mode
-        self.metadata = {
-            "name": f"{worlds.scenario.name}_v0",
-            "render_modes": list(RENDER_MODES),
-            "render_fps": worlds.render_fps,
-            "is_parallelizable": True,
-        }
+        self.metadata = {"name": f"{worlds.scenario.name}_v0", "render_modes": list(RENDER_MODES)}
+        self.metadata |= {"render_fps": worlds.render_fps, "is_parallelizable": True}
         self.possible_agents: list[str] = list(worlds.agent_names)
         self.agents: list[str] = []
         self._indices = {name: a for a, name in enumerate(self.possible_agents)}
@@ -150,9 +134,9 @@ class WorldParallelEnv(OneWorld, ParallelEnv[str, Observation, Any]):  # type: i
         self.action_spaces: dict[str, Space[Any]] = {}
         for name, a in self._indices.items():
             agent = None if padded else a
-            self._layouts[name] = observation_layout(worlds.episodes, agent)
-            self.observation_spaces[name] = observation_space(worlds.episodes, agent)
-            self.action_spaces[name] = action_space(worlds.episodes, agent)
+            self._layouts[name] = spaces.observation_layout(worlds.episodes, agent)
+            self.observation_spaces[name] = spaces.observation_space(worlds.episodes, agent)
+            self.action_spaces[name] = spaces.action_space(worlds.episodes, agent)
         self.state_space = Box(-1.0, 1.0, (worlds.episodes.team_state_size,), np.float32)
         self._padded = padded
         self._np_random: np.random.Generator | None = None
@@ -279,10 +263,10 @@ class WorldParallelEnv(OneWorld, ParallelEnv[str, Observation, Any]):  # type: i
         first = self.possible_agents[0]
         return self.worlds.describe(agent or 0, of_agent=not self._padded, more=self._infos([first])[first])
 
-    def _of(self, spaces: Mapping[str, Space[Any]], agent: str) -> Space[Any]:
-        if agent not in spaces:
+    def _of(self, every: Mapping[str, Space[Any]], agent: str) -> Space[Any]:
+        if agent not in every:
             raise UnknownNameError(f"no agent named {agent!r}{suggestion(str(agent), self.possible_agents)}")
-        return spaces[agent]
+        return every[agent]
 
     def _taken(self, actions: Mapping[str, object]) -> NDArray[Any]:
         """Return the actions as the batch of one takes them; those of agents that have ended are 0."""

@@ -110,17 +110,11 @@ def arena(
 
 def _told(request: ScenarioRequest, evaluation: Evaluation, worlds: Perceived) -> dict[str, Any]:
     """Return a description of what is played, as plain data."""
-    return {
-        "scenario": evaluation.scenario,
-        "source": _place_of(request.scenario),
-        "task": _place_of(request.task),
-        "scenario_sha256": snapshot_of(worlds.episodes.simulation.scenario, request.task).digest,
-        "split": evaluation.split,
-        "levels": evaluation.level_set.count,
-        **evaluation.level_set.conditions(),
-        "team": request.team,
-        "irsim_gym": __version__,
-    }
+    digest = snapshot_of(worlds.episodes.simulation.scenario, request.task).digest
+    places = {"source": _place_of(request.scenario), "task": _place_of(request.task), "scenario_sha256": digest}
+    levels = {"levels": evaluation.level_set.count, **evaluation.level_set.conditions()}
+    about = {"scenario": evaluation.scenario, **places, "split": evaluation.split, **levels}
+    return {**about, "team": request.team, "irsim_gym": __version__}
 
 
 def _entrants(sources: Sources, observes: Mapping[str, Sequence[str]]) -> list[dict[str, Any]]:

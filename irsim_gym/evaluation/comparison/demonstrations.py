@@ -4,8 +4,6 @@ The file is an ``.npz`` archive of NumPy with the arrays of ``Demonstrations``. 
 ``observations/NAME``. ``about`` is a JSON text that describes the environment.
 """
 
-from __future__ import annotations
-
 import io
 import json
 from collections.abc import Mapping
@@ -98,13 +96,8 @@ class Demonstrations:
 
     def transitions(self) -> dict[str, Any]:
         """Return the fields of ``imitation.data.types.Transitions``: obs, acts, infos, next_obs, dones."""
-        return {
-            "obs": self.observations,
-            "acts": self.actions,
-            "infos": np.array([{} for _ in range(len(self))], dtype=object),
-            "next_obs": self.next_observations,
-            "dones": self.ends,
-        }
+        told = {"acts": self.actions, "infos": np.array([{} for _ in range(len(self))], dtype=object)}
+        return {"obs": self.observations, **told, "next_obs": self.next_observations, "dones": self.ends}
 
 
 KINDS = {

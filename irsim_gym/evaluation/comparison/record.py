@@ -40,13 +40,8 @@ def record_film(
     cast = load_players(request, sources, **chosen)
     film = EpisodeFilm(cast.names, fps=1.0 / (cast.steps_per_frame * cast.step_time))
     with progress_bar() as bar:
-        film.write(
-            (
-                [_frames(cast, w, level) for w in range(len(cast.policies))]
-                for level in bar.track(levels, description="filming")
-            ),
-            path,
-        )
+        shown = bar.track(levels, description="filming")
+        film.write(([_frames(cast, w, level) for w in range(len(cast.policies))] for level in shown), path)
     cast.renderer.close()
     return path
 

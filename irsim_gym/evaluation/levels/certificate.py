@@ -9,13 +9,8 @@ from numpy.typing import NDArray
 
 from irsim_gym.base.arraytypes import Flags, Floats, Ints, Words
 from irsim_gym.base.outside_files import reading
-from irsim_gym.evaluation.levels.certificate_file import (
-    NUMBERS,
-    WHOLE,
-    Numbers,
-    certificate_bytes,
-    read_certificate_file,
-)
+from irsim_gym.evaluation.levels import certificate_file
+from irsim_gym.evaluation.levels.certificate_file import NUMBERS, WHOLE, Numbers
 from irsim_gym.evaluation.measures.metrics import OUTCOMES
 from irsim_gym.scenario.specs import library
 from irsim_gym.scenario.specs.level_set import set_hash
@@ -115,7 +110,7 @@ class Certificate:
         """Return the content of the certificate's file; equal certificates give equal bytes."""
         said = {name: getattr(self, name) for name in ("name", "scenario_hash", "split", "agents", "policies")}
         said |= {"versions": dict(self.versions), "set_hash": self.set_hash, "levels": self.count}
-        return certificate_bytes(said, {name: getattr(self, name) for name in (*WHOLE, *NUMBERS)})
+        return certificate_file.certificate_bytes(said, {name: getattr(self, name) for name in (*WHOLE, *NUMBERS)})
 
 
 def read_certificate(file: Path) -> Certificate:
@@ -125,7 +120,7 @@ def read_certificate(file: Path) -> Certificate:
         UnreadableFileError: If the file is not a certificate.
     """
     with reading(file, "certificate of levels"):
-        said, arrays = read_certificate_file(file)
+        said, arrays = certificate_file.read_certificate_file(file)
         said |= {name: tuple(map(str, said[name])) for name in ("agents", "policies")}
         fields = {key: value for key, value in said.items() if key not in ("format", "set_hash", "levels")}
         cert = Certificate(**fields, **arrays)

@@ -11,14 +11,7 @@ from irsim_gym.evaluation.measures.optimum import stops, straight_distance
 from irsim_gym.evaluation.protocol.teams import top_speed
 from irsim_gym.scenario.reading.level_checks import levels_differ
 from irsim_gym.scenario.specs.spec import Scenario
-from irsim_gym.simulator.cell_paths.queries import (
-    COARSE,
-    FINE,
-    blocking_bodies,
-    fixed_bodies,
-    free_path_length,
-    standing_bodies,
-)
+from irsim_gym.simulator.cell_paths import queries as ways
 from irsim_gym.simulator.engine import compile
 from irsim_gym.simulator.geometry.polygons import contains_point
 from irsim_gym.simulator.geometry.segments import point_segment_distance2
@@ -71,7 +64,7 @@ def _refuse_blocked_goals(episodes: Episodes) -> None:
         if is_drawn or not is_fixed[body] or radius <= 0.0 or _passes(model, body):
             continue
         for goal in spec.goal:
-            hit = blocking_bodies(model, state, 0, radius, goal, fixed_bodies(model, 0) & is_fixed)
+            hit = ways.blocking_bodies(model, state, 0, radius, goal, ways.fixed_bodies(model, 0) & is_fixed)
             names = ["the obstacle map" if b is None else f"'{scenario.bodies[b].name}'" for b in hit]
             if names and (map_is_given or hit != [None]):
                 where = f"the goal ({goal[0]:g}, {goal[1]:g}) lies in {names[0]}"
@@ -129,16 +122,18 @@ def _way_length(episodes: Episodes, w: int, a: int, threshold: float) -> float:
     places = stops(episodes, w, a)
     if _passes(model, body):
         return math.nan
-    radius, blocks = inner_radius(model, w, body), standing_bodies(model, w)
+    radius, blocks = inner_radius(model, w, body), ways.standing_bodies(model, w)
     for goal in places[1:]:
-        if blocking_bodies(model, state, w, radius, goal, blocks):
-            is_shut = radius > threshold and blocking_bodies(model, state, w, radius - threshold, goal, blocks)
+        if ways.blocking_bodies(model, state, w, radius, goal, blocks):
+            is_shut = radius > threshold and ways.blocking_bodies(model, state, w, radius - threshold, goal, blocks)
             return math.inf if is_shut else math.nan
     width, height = model.bounds[2:] - model.bounds[:2]
-    for cell in (COARSE, FINE):
+    for cell in (ways.COARSE, ways.FINE):
         if width * height / cell**2 > MOST_CELLS:
             return math.nan
-        legs = [free_path_length(model, state, w, radius, *leg, blocks=blocks, cell=cell) for leg in pairwise(places)]
+        legs = [
+            ways.free_path_length(model, state, w, radius, *leg, blocks=blocks, cell=cell) for leg in pairwise(places)
+        ]
         if math.isfinite(sum(legs)):
             return sum(legs)
     return math.inf

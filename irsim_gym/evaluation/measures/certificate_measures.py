@@ -61,10 +61,7 @@ def measure_level(
     stops = np.concatenate([state.pose[world, body, None, :2], _goals(model, state, world, body)])
     blocks = standing_bodies(model, world)
     blocks[body] = False
-    legs = [
-        free_path_length(model, state, world, reach, begin, end, blocks=blocks, cell=cell)
-        for begin, end in pairwise(stops)
-    ]
+    legs = [free_path_length(model, state, world, reach, *leg, blocks=blocks, cell=cell) for leg in pairwise(stops)]
     steps = np.diff(stops, axis=0)
     is_reachable = math.isfinite(sum(legs))
     return LevelMeasures(

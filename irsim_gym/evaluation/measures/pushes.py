@@ -38,10 +38,6 @@ def delivered(episodes: Episodes, world: int) -> float:
     """Return the share of bodies that lie in their targets; NaN if the task does not end with ``bodies_arrived``."""
     model, state = episodes.simulation.model, episodes.simulation.state
     terms = [term for term in episodes.terms["endings"] if isinstance(term.options, BodiesArrived)]
-    there = [
-        lies_there(world, b, term.arrays.area, model, state)
-        for term in terms
-        for b in term.arrays.bodies
-        if model.present[world, b]
-    ]
+    placed = ((term, b) for term in terms for b in term.arrays.bodies if model.present[world, b])
+    there = [lies_there(world, b, term.arrays.area, model, state) for term, b in placed]
     return float(np.mean(there)) if there else math.nan

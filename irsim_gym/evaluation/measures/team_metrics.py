@@ -12,17 +12,8 @@ from typing import Any
 
 import numpy as np
 
-from irsim_gym.evaluation.measures.metrics import (
-    OUTCOMES,
-    EpisodeRow,
-    Rate,
-    SharedFigures,
-    are_copies,
-    mean,
-    means,
-    rate,
-    wilson,
-)
+from irsim_gym.evaluation.measures import metrics
+from irsim_gym.evaluation.measures.metrics import OUTCOMES, EpisodeRow, Rate, SharedFigures, mean, rate, wilson
 
 TEAM_HITS = ("robot", "obstacle", "moving obstacle", "map")
 PERCENTILES = (50, 75, 90)
@@ -209,7 +200,7 @@ def summarize_team(policy: str, rows: Sequence[TeamRow], common: Container[int] 
     assert sum(share.count for share in shares.values()) == len(agents), "the outcomes must be those of all agents"
     assert sum(hit.count for hit in hits.values()) == shares["collision"].count, "every collision must have a kind"
     cooperative = rate(sum(row.is_success for row in rows), len(rows))
-    if all(are_copies([row.agents[a].episode for row in rows]) for a in range(team)):
+    if all(metrics.are_copies([row.agents[a].episode for row in rows]) for a in range(team)):
         cooperative, shares = cooperative.exact(), {name: share.exact() for name, share in shares.items()}
     return TeamSummary(
         policy=policy,
@@ -225,7 +216,7 @@ def summarize_team(policy: str, rows: Sequence[TeamRow], common: Container[int] 
         common_extra_time=None if common is None else _extra_time([row for row in rows if row.level in common]),
         throughput=mean([row.throughput for row in rows]),
         **shares,
-        **means([agent.episode for agent in agents]),
+        **metrics.means([agent.episode for agent in agents]),
     )
 
 

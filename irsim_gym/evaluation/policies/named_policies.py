@@ -44,8 +44,6 @@ def read_options(source: str) -> dict[str, object]:
     report = Report(read_mapping({"behavior": {"name": name, **options}}))
     behavior = build_named(registry, {"name": name, **options}, ("behavior",), report)
     if report.problems:
-        told = (
-            f"'{source}': {problem.path.removeprefix('behavior.')}: {problem.message}" for problem in report.problems
-        )
+        told = (f"'{source}': {each.path.removeprefix('behavior.')}: {each.message}" for each in report.problems)
         raise PolicyOptionError("\n".join(told))
     return {option: getattr(behavior, option) for option in options}

@@ -63,12 +63,11 @@ def figure_columns(place: str, summaries: Sequence[Any]) -> list[FigureColumn]:
         if not column.needs or any(_occurs(getattr(each, column.needs)) for each in summaries):
             shown.append(column)
         if column.field == "collision":
-            seen = [hit for hit in (TEAM_HITS if is_team else HITS) if _is_hit(hit, summaries)]
+            hits = TEAM_HITS if is_team else HITS
+            seen = [hit for hit in hits if any(each.collision_with[hit].count for each in summaries)]
             unit = "\n[%]" if column.head.endswith("\n[%]") else ""
             split = [(f"with {hit}{unit}", f"Share that collided with: {hit}", hit) for hit in seen]
-            shown += [
-                FigureColumn(head, "collision_with", about, hit=hit) for head, about, hit in split if len(seen) > 1
-            ]
+            shown += [FigureColumn(head, "collision_with", told, hit=hit) for head, told, hit in split if len(seen) > 1]
     return shown
 
 
@@ -86,7 +85,3 @@ def percentiles(time: ExtraTime) -> str:
 
 def _occurs(value: Any) -> bool:
     return value.count > 0 if isinstance(value, Rate) else math.isfinite(value)
-
-
-def _is_hit(hit: str, summaries: Sequence[Any]) -> bool:
-    return any(each.collision_with[hit].count for each in summaries)

@@ -264,14 +264,8 @@ def _markdown_line(cells: Sequence[str]) -> str:
     return "| " + " | ".join(cell.replace("|", r"\|") for cell in cells) + " |"
 
 
-_READERS: Mapping[type, Callable[[str], object]] = MappingProxyType(
-    {
-        int: int,
-        str: str,
-        float: lambda text: float(text) if text else math.nan,
-        bool: lambda text: {"True": True, "False": False}[text],
-    }
-)
+_READERS: dict[type, Callable[[str], object]] = {int: int, str: str, bool: {"True": True, "False": False}.__getitem__}
+_READERS |= {float: lambda text: float(text) if text else math.nan}
 _WORDS = {int: "a whole number", float: "a number", bool: "True or False"}
 
 

@@ -69,14 +69,7 @@ def _agent_cells(agent: AgentRow) -> dict[str, object]:
 
 
 def _level_cells(level: TeamRow) -> dict[str, object]:
-    return {
-        "level": level.level,
-        "agents": len(level.agents),
-        "arrived": level.arrived,
-        "success": level.is_success,
-        "makespan": level.makespan,
-        "flowtime": level.flowtime,
-        "collided": sum(agent.episode.outcome == "collision" for agent in level.agents),
-        "deadlocked": level.deadlocked,
-        "throughput": level.throughput,
-    }
+    collided = sum(agent.episode.outcome == "collision" for agent in level.agents)
+    said: dict[str, Any] = {"level": level.level, "agents": len(level.agents), "arrived": level.arrived}
+    said |= {"success": level.is_success, "makespan": level.makespan, "flowtime": level.flowtime}
+    return {**said, "collided": collided, "deadlocked": level.deadlocked, "throughput": level.throughput}

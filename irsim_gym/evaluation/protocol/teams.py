@@ -56,13 +56,9 @@ def evaluate_team(
 def _agent_row(episodes: Episodes, optima: Optima, motion: MotionLog, world: int, level: int, agent: int) -> AgentRow:
     row = episode_row(episodes, optima, motion, world, level, agent, HIT_NAMES)
     stood = bool(episodes.view.infos["deadlocked"][world, agent])
-    return AgentRow(
-        agent=episodes.agent_names[agent],
-        episode=row,
-        straight_distance=straight_distance(episodes, world, agent),
-        top_speed=top_speed(episodes, world, agent),
-        deadlocked=stood and row.outcome in STANDSTILLS,
-    )
+    name, deadlocked = episodes.agent_names[agent], stood and row.outcome in STANDSTILLS
+    way, fastest = straight_distance(episodes, world, agent), top_speed(episodes, world, agent)
+    return AgentRow(agent=name, episode=row, straight_distance=way, top_speed=fastest, deadlocked=deadlocked)
 
 
 def top_speed(episodes: Episodes, world: int, agent: int) -> float:

@@ -44,25 +44,17 @@ def conditions(episodes: Episodes, split: str, levels: int) -> dict[str, Any]:
     """Return the conditions that published results have to name. Values that differ between agents are lists."""
     simulation = episodes.simulation
     agents = [_robot(episodes, int(body)) for body in simulation.agents]
-    return {
-        "scenario": simulation.scenario.name,
-        "parameters": dict(simulation.scenario.parameters),
-        "split": split,
-        "levels": levels,
-        **{name: _one_or_all([agent[name] for agent in agents]) for name in agents[0]},
-    }
+    about = {"scenario": simulation.scenario.name, "parameters": dict(simulation.scenario.parameters)}
+    shared = {name: _one_or_all([agent[name] for agent in agents]) for name in agents[0]}
+    return {**about, "split": split, "levels": levels, **shared}
 
 
 def team_conditions(episodes: Episodes, split: str, levels: int) -> dict[str, Any]:
     """Return ``conditions``, with those that only concern teams."""
     task = episodes.task
-    return {
-        **conditions(episodes, split, levels),
-        "agents": list(episodes.agent_names),
-        "ended": task.ended,
-        "deadlock_speed": task.deadlock_speed,
-        "deadlock_time": task.deadlock_time,
-    }
+    still = {"deadlock_speed": task.deadlock_speed, "deadlock_time": task.deadlock_time}
+    names = list(episodes.agent_names)
+    return {**conditions(episodes, split, levels), "agents": names, "ended": task.ended, **still}
 
 
 def _robot(episodes: Episodes, body: int) -> dict[str, Any]:

@@ -37,13 +37,8 @@ def check_inputs(
     Raises:
         IrsimGymError: The only problem, or ``SeveralProblemsError`` with all of them.
     """
-    report_together(
-        *world_checks(asked),
-        lambda: check_policies(policies),
-        lambda: None if split is None else check_split(split),
-        lambda: check_folder(folder),
-        *further,
-    )
+    rest = (lambda: None if split is None else check_split(split), lambda: check_folder(folder), *further)
+    report_together(*world_checks(asked), lambda: check_policies(policies), *rest)
 
 
 def world_checks(asked: ScenarioRequest) -> Iterator[Check]:

@@ -36,16 +36,6 @@ class UnknownPolicyError(IrsimGymError):
         self.source, self.problem = source, problem
 
 
-def known_names() -> tuple[str, ...]:
-    """Return the names of behaviours and of shipped policies."""
-    return (*policy_kinds(), *shelf_files())
-
-
-def holds_policy(folder: Path) -> bool:
-    """Return whether a folder is a run with a policy, or with a checkpoint of one."""
-    return (folder / POLICY).is_file() or newest_checkpoint(RunFolder(folder).checkpoints) is not None
-
-
 def runs_below(folder: Path = RUNS, depth: int = DEPTH) -> list[Path]:
     """Return the folders of runs below a folder, in alphabetical order.
 
@@ -60,7 +50,7 @@ def _runs(folder: Path, depth: int) -> Iterator[Path]:
     if not depth or not folder.is_dir():
         return
     for below in sorted(path for path in folder.iterdir() if path.is_dir()):
-        if holds_policy(below):
+        if (below / POLICY).is_file() or newest_checkpoint(RunFolder(below).checkpoints) is not None:
             yield below
         else:
             yield from _runs(below, depth - 1)
@@ -83,7 +73,7 @@ def missing_policy(source: str | Path) -> str:
         return f"no policy at {source}: the folder holds neither {POLICY} nor a checkpoint"
     runs = runs_below()
     if not is_place(source):
-        by_name = {name: name for name in known_names()} | {run.name: str(run) for run in runs}
+        by_name = {name: name for name in (*policy_kinds(), *shelf_files())} | {run.name: str(run) for run in runs}
         near = nearest(str(source), by_name)
         return f"no policy named '{source}'{_meant(None if near is None else by_name[near])}"
     files = {str(run): str(run) for run in runs} | {str(run / POLICY): str(run / POLICY) for run in runs}

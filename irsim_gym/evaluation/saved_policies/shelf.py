@@ -3,8 +3,6 @@
 A policy is two files: ``NAME.npz`` with arrays and a description of the network, and ``NAME.json``, its card.
 """
 
-from __future__ import annotations
-
 import hashlib
 import json
 from collections.abc import Mapping, Sequence

@@ -65,6 +65,7 @@ def _lines(card: PolicyCard) -> list[str]:
     training, action, machine = card.training, card.action, card.training.machine
     choices = "" if action.choices is None else f", {action.choices} choices"
     observed = ", ".join(f"{term.name} {' x '.join(map(str, term.shape))}" for term in card.observation)
+    versions = ", ".join(map(" ".join, machine["versions"].items()))
     return [
         f"{card.name}: {training.algorithm.upper()}, trained in {_trained_in(card)}",
         f"task: {card.scenario.task or 'of the scenario'}; hash of scenario and task {card.scenario.sha256[:12]}",
@@ -75,7 +76,7 @@ def _lines(card: PolicyCard) -> list[str]:
         f"weights: {card.network.weights:,}; {card.size / 1000:.0f} kB; sha256 {card.sha256[:12]}",
         f"seed: {training.seed} of {', '.join(map(str, training.seeds))}",
         f"training: {training.steps:,} steps, {training.cpu_seconds:.0f} s of CPU time, "
-        f"{training.training_seconds:.0f} s on a clock; {machine['processor']}, {_versions(machine['versions'])}",
+        f"{training.training_seconds:.0f} s on a clock; {machine['processor']}, {versions}",
         *(f"success: {_told(result)}" for result in card.results),
         *([f"5 points of success are lost at: {curves_text(card.robustness)}"] if card.robustness else []),
         *(f"weakness: {sentence}" for sentence in card.weaknesses),
@@ -84,10 +85,6 @@ def _lines(card: PolicyCard) -> list[str]:
 
 def _needed(card: PolicyCard) -> str:
     return "not said" if card.needs is None else ", ".join(card.needs) or "nothing"
-
-
-def _versions(versions: Mapping[str, str]) -> str:
-    return ", ".join(f"{name} {version}" for name, version in versions.items())
 
 
 def _is_of_training(result: CardResult, card: PolicyCard) -> bool:

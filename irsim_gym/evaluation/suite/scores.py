@@ -9,17 +9,13 @@ from typing import Any
 
 import numpy as np
 
-from irsim_gym.base.arraytypes import Floats, Ints
+from irsim_gym.base.arraytypes import Ints
 from irsim_gym.base.errors import IrsimGymError
 from irsim_gym.evaluation.levels.certificate import find_certificate
 from irsim_gym.evaluation.levels.played import QUARTER_NAMES, PlayedLevels
+from irsim_gym.evaluation.measures import statistics
 from irsim_gym.evaluation.measures.metrics import OUTCOMES, EpisodeRow, mean
-from irsim_gym.evaluation.measures.statistics import (
-    Estimate,
-    interquartile_mean,
-    probability_of_improvement,
-    stratified_mean,
-)
+from irsim_gym.evaluation.measures.statistics import Estimate, probability_of_improvement, stratified_mean
 from irsim_gym.evaluation.measures.team_metrics import COMPARED, TEAM_HITS, TeamRow, TeamSummary, summarize_team
 from irsim_gym.evaluation.measures.worst_levels import worst_shares
 from irsim_gym.evaluation.protocol.tables import plain
@@ -49,17 +45,16 @@ def score_suite(record: SuiteRecord, folder: Path) -> None:
             if paths
         }
     scores: dict[str, dict[str, Figures]] = {}
+    success: dict[str, dict[str, list[float]]] = {}
     for member, repetitions in played.items():
         levels = _certified_levels(record.members[member])
         record.members[member]["conditions"] |= levels.conditions()
         scores[member] = score_member(repetitions, levels.quarters)
         for method, figures in scores[member].items():
             figures["latency_at_loss"] = _median_latency(record.runs[member][method])
+            shares = [fmean(row.is_success for row in rows) for rows in repetitions[method]]
+            success.setdefault(member, {})[method] = shares
     record.figures = plain(scores)
-    success = {
-        member: {method: [_share(rows) for rows in repetitions] for method, repetitions in methods.items()}
-        for member, methods in played.items()
-    }
     record.overall = plain(overall(success, list(record.methods)))
 
 
@@ -90,10 +85,7 @@ def score_member(methods: Mapping[str, Repetitions], quarters: Ints | None = Non
     n_levels = {name: len(repetitions[0]) for name, repetitions in methods.items()}
     compared = [name for name, levels in solved.items() if len(levels) >= max(COMPARED * n_levels[name], 1)]
     common = set.intersection(*(solved[name] for name in compared)) if len(compared) > 1 else set()
-    return {
-        name: score_method(repetitions, common if name in compared else set(), quarters)
-        for name, repetitions in methods.items()
-    }
+    return {name: score_method(runs, common if name in compared else set(), quarters) for name, runs in methods.items()}
 
 
 def score_method(repetitions: Repetitions, common: set[int], quarters: Ints | None = None) -> Figures:
@@ -122,18 +114,18 @@ def score_method(repetitions: Repetitions, common: set[int], quarters: Ints | No
         - ``common_levels``: Number of levels that all compared methods solved.
         - ``common_time``, ``common_path``: Mean time [s] and path length [m] on these levels.
         - ``makespan``: Mean time until the last robot arrives [s]; the time limit if one never arrives.
-        - ``clearance``: Mean of the smallest clearances [m].
-        - ``acceleration``, ``jerk``: Mean sizes [m/s2], [m/s3].
+        - ``clearance``: Mean of the smallest ones [m]; ``acceleration``, ``jerk``: mean sizes [m/s2], [m/s3].
         - ``intrusion_025``, ``intrusion_045``: Share of steps nearer than 0.25 m and 0.45 m to a person; NaN if there
           are no people.
         - ``time_to_collision``: Mean of the minimum times to collision with a person [s], over episodes that met one.
         - ``throughput``: Mean over levels of the goals that all robots reach per minute; NaN if each has one goal.
     """
     summaries = [summarize_team("", rows) for rows in repetitions]
-    success = _successes(repetitions)
+    success = np.array([[row.is_success for row in rows] for rows in repetitions], np.float64)
     worst = [worst_shares([levels]) for levels in success]
     episodes = [agent.episode for rows in repetitions for row in rows for agent in row.agents]
     there = [episode for episode in episodes if episode.level in common]
+    known = enumerate(QUARTER_NAMES if quarters is not None else ())
 
     def over(name: str) -> float:
         return mean([attrgetter(name)(summary) for summary in summaries])
@@ -147,7 +139,7 @@ def score_method(repetitions: Repetitions, common: set[int], quarters: Ints | No
         "deadlocked": over("deadlocked.value"),
         "worst": {share: mean([shares[share] for shares in worst]) for share in worst[0]},
         "worst_shared": worst_shares(success) if len(success) > 1 else {},
-        "quarters": _by_quarter(success, quarters),
+        "quarters": {name: float(success[:, quarters == k].mean()) for k, name in known},
         "time": _of_successes(episodes, "time"),
         "path": over("path_length"),
         "common_levels": len(common),
@@ -179,7 +171,7 @@ def overall(success: Mapping[str, Mapping[str, Sequence[float]]], methods: Seque
         }
         for first in methods
     }
-    means = {method: interquartile_mean(scores[method]) for method in methods}
+    means = {method: statistics.interquartile_mean(scores[method]) for method in methods}
     return {"benchmarks": common, "success": means, "improvement": better}
 
 
@@ -198,21 +190,6 @@ def _success(summaries: Sequence[TeamSummary]) -> Estimate:
         estimate = summaries[0].cooperative_success
         return Estimate(estimate.value, estimate.low, estimate.high)
     return stratified_mean([[summary.cooperative_success.value for summary in summaries]])
-
-
-def _successes(repetitions: Repetitions) -> Floats:
-    return np.array([[row.is_success for row in rows] for rows in repetitions], np.float64)
-
-
-def _by_quarter(success: Floats, quarters: Ints | None) -> dict[str, float]:
-    """Return the success in each quarter of difficulty; empty if the quarters are not known."""
-    if quarters is None:
-        return {}
-    return {name: float(success[:, quarters == k].mean()) for k, name in enumerate(QUARTER_NAMES)}
-
-
-def _share(rows: Sequence[TeamRow]) -> float:
-    return fmean(row.is_success for row in rows)
 
 
 def _solved(repetitions: Repetitions) -> set[int]:

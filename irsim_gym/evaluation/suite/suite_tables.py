@@ -134,12 +134,7 @@ def _notes(record: SuiteRecord, name: str) -> list[str]:
     seeds = {method: score["repetitions"] for method, score in scores.items() if score["repetitions"] > 1}
     if seeds:
         notes.append("Policies: " + ", ".join(f"{method} {count}" for method, count in seeds.items()) + ".")
-    left = {
-        method: entry["left_out"]
-        for method, entries in record.runs[name].items()
-        for entry in entries
-        if "left_out" in entry
-    }
+    left = {method: run["left_out"] for method, runs in record.runs[name].items() for run in runs if "left_out" in run}
     notes += [f"Without {method}: {reason}." for method, reason in left.items()]
     return [note for note in notes if note]
 
@@ -188,9 +183,8 @@ def _percent(value: float | None) -> str:
 
 def _up_to(found: Mapping[str, float | None] | None, digits: int) -> str:
     """Return a strength that was looked for: ``> 0.8`` if it is beyond the greatest one played."""
-    if found and found["value"] is None:
-        return f"> {found['played_to']:g}"
-    return _number(found["value"] if found else None, digits)
+    value = found["value"] if found else None
+    return f"> {found['played_to']:g}" if found and value is None else _number(value, digits)
 
 
 def _number(value: float | None, digits: int) -> str:

@@ -49,14 +49,10 @@ class Viewer:
         self.render_mode, self._needs_window = render_mode, needs_window
         self.driver: Driver | None = None
         self.quit = self._left = self._hidden = False
-        self._commands = {
-            **commands,
-            "pause": lambda: status.resume() if status.paused else status.pause(),
-            "step": status.allow_one_step,
-            "switch": status.switch_control_mode,
-            "display": self._toggle_display,
-            "quit": self._note_quit,
-        }
+        self._commands: dict[str, Callable[[], object]] = {**commands, "quit": self._note_quit}
+        self._commands["pause"] = lambda: status.resume() if status.paused else status.pause()
+        self._commands |= {"step": status.allow_one_step, "switch": status.switch_control_mode}
+        self._commands["display"] = self._toggle_display
 
     def _toggle_display(self) -> None:
         self._hidden = not self._hidden

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from abc import ABC
 from collections.abc import Iterable
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, NoReturn, final
 
 import numpy as np
@@ -43,14 +45,25 @@ class _Nodes:
         return self._place(list(nodes)).T
 
 
-def missing_name(planner: object, name: str) -> NoReturn:
-    """Raise the error that says what planners have."""
-    message = f"a planner has no '{name}': planning(start, goal) is all it does, env_map is the map"
-    raise AttributeError(message, name=name, obj=planner)
+@dataclass(eq=False, repr=False)
+class MapPlanner(ABC):
+    """A planner of IR-SIM.
+
+    Attributes:
+        env_map: Result of ``world.get_map``.
+    """
+
+    env_map: GridMap
+
+    if not TYPE_CHECKING:
+
+        def __getattr__(self, name: str) -> NoReturn:
+            message = f"a planner has no '{name}': planning(start, goal) is all it does, env_map is the map"
+            raise AttributeError(message, name=name, obj=self)
 
 
 @final
-class AStarPlanner:
+class AStarPlanner(MapPlanner):
     """The shortest way in straight and diagonal steps over free cells, as IR-SIM's A* finds it.
 
     Ways are for a point; for a robot with a size, use ``world.path``.
@@ -58,12 +71,6 @@ class AStarPlanner:
     Args:
         env_map: Result of ``world.get_map``.
     """
-
-    def __init__(self, env_map: GridMap) -> None:
-        self.env_map = env_map
-
-    if not TYPE_CHECKING:
-        __getattr__ = missing_name
 
     def planning(self, start_pose: ArrayLike, goal_pose: ArrayLike, show_animation: bool = True) -> Floats:
         """Return the way from the goal back to the start, shape ``(2, n)`` [m].
@@ -87,7 +94,7 @@ class AStarPlanner:
 
 
 @final
-class JPSPlanner:
+class JPSPlanner(MapPlanner):
     """The shortest way in straight and diagonal steps over free cells, which IR-SIM's jump point search may miss.
 
     Ways are for a point; for a robot with a size, use ``world.path``.
@@ -95,12 +102,6 @@ class JPSPlanner:
     Args:
         env_map: Result of ``world.get_map``.
     """
-
-    def __init__(self, env_map: GridMap) -> None:
-        self.env_map = env_map
-
-    if not TYPE_CHECKING:
-        __getattr__ = missing_name
 
     def planning(self, start_pose: ArrayLike, goal_pose: ArrayLike, show_animation: bool = True) -> Floats | None:
         """Return the way from the goal back to the start, shape ``(2, n)`` [m]; see ``AStarPlanner.planning``.

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from abc import ABC
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, final
+from typing import Any, ClassVar, final
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -13,38 +13,27 @@ from numpy.typing import ArrayLike
 from irsim_gym.base.arraytypes import Floats
 from irsim_gym.live.planning.grid_map import GridMap
 from irsim_gym.live.planning.path_planner import point
-from irsim_gym.live.planning.planners import missing_name
+from irsim_gym.live.planning.planners import MapPlanner
 from irsim_gym.live.planning.sampling import Place, Sampling, sampled_way
 from irsim_gym.simulator.readings.irsim_readings import IrSimReadings
 
 
-class _Mover(NamedTuple):
-    """What moves, without turning.
-
-    Attributes:
-        core: A shapely geometry in its own frame. The convex hull counts.
-        margin: Distance that is kept around it [m].
-        longest: Length of the longest motion [m].
-    """
-
-    core: Any
-    margin: float
-    longest: float = math.inf
-
-
-def _way(method: str, env_map: GridMap, mover: _Mover, ends: tuple[ArrayLike, ArrayLike], sampling: Sampling) -> Floats:
+def _way(
+    method: str, env_map: GridMap, core: Any, margin: float, ends: tuple[ArrayLike, ArrayLike], sampling: Sampling
+) -> Floats:
     """Return a way inside of a map, beside obstacles and occupied cells, from goal to start, shape ``(2, n)`` [m].
 
     Args:
         method: One of ``SAMPLERS``.
         env_map: The map.
-        mover: What moves.
+        core: What moves, without turning: a shapely geometry in its own frame, whose convex hull counts.
+        margin: Distance that is kept around it [m].
         ends: Start and goal [m].
-        sampling: How to draw points.
+        sampling: How to draw points. ``longest`` holds for road maps, too.
     """
     import shapely
 
-    hull, margin = shapely.get_coordinates(mover.core.convex_hull), mover.margin
+    hull, longest = shapely.get_coordinates(core), sampling.longest if method == "prm" else math.inf
     low = np.array(env_map.world_offset, np.float64)
     high = low + np.array([env_map.width, env_map.height])
     solid = list(shapely.get_parts([body.geometry for body in env_map.obstacle_list or ()]))
@@ -56,7 +45,7 @@ def _way(method: str, env_map: GridMap, mover: _Mover, ends: tuple[ArrayLike, Ar
 
     def is_free(first: Place, second: Place) -> bool:
         swept = np.concatenate([hull + first, hull + second])
-        if math.dist(first, second) > mover.longest or (swept - margin < low).any() or (swept + margin > high).any():
+        if math.dist(first, second) > longest or (swept - margin < low).any() or (swept + margin > high).any():
             return False
         return not len(tree.query(shapely.convex_hull(shapely.linestrings(swept)), "dwithin", distance=margin))
 
@@ -65,7 +54,7 @@ def _way(method: str, env_map: GridMap, mover: _Mover, ends: tuple[ArrayLike, Ar
 
 
 @dataclass(eq=False, repr=False)
-class TreePlanner(ABC):
+class TreePlanner(MapPlanner, ABC):
     """A planner that grows a tree of motions.
 
     Motions are tested as a whole: the convex hull of the robot's outline, at heading 0, stays inside of the map and
@@ -84,7 +73,6 @@ class TreePlanner(ABC):
     """
 
     method: ClassVar[str]
-    env_map: GridMap
     robot: IrSimReadings
     expand_dis: float = 1.0
     path_resolution: float = 0.25
@@ -93,9 +81,6 @@ class TreePlanner(ABC):
     connect_circle_dist: float = 0.5
     search_until_max_iter: bool = False
     seed: int = field(default=0, kw_only=True)
-
-    if not TYPE_CHECKING:
-        __getattr__ = missing_name
 
     def planning(self, start_pose: ArrayLike, goal_pose: ArrayLike, show_animation: bool = True) -> Floats | None:
         """Return a way from the goal back to the start, shape ``(2, n)`` [m]; None if none is found.
@@ -111,10 +96,10 @@ class TreePlanner(ABC):
         """
         share, ends_early = self.goal_sample_rate / 100.0, not self.search_until_max_iter
         sampling = Sampling(self.max_iter, self.seed, self.expand_dis, share, ends_early=ends_early)
-        mover = _Mover(self.robot.original_geometry, 0.0)
+        core, margin = self.robot.original_geometry, 0.0
         if self.robot.shape == "circle":
-            mover = _Mover(mover.core.centroid, self.robot.radius)
-        way = _way(self.method, self.env_map, mover, (start_pose, goal_pose), sampling)
+            core, margin = core.centroid, self.robot.radius
+        way = _way(self.method, self.env_map, core, margin, (start_pose, goal_pose), sampling)
         return way if way.size else None
 
 
@@ -158,7 +143,7 @@ class InformedRRTStar(TreePlanner):
 
 @final
 @dataclass(eq=False, repr=False)
-class PRMPlanner:
+class PRMPlanner(MapPlanner):
     """The shortest way over a road map of random points, for a disc.
 
     Attributes:
@@ -170,15 +155,11 @@ class PRMPlanner:
         seed: The same seed gives the same way.
     """
 
-    env_map: GridMap
     robot_radius: float
     n_sample: int = 500
     n_knn: int = 10
     max_edge_len: float = 30.0
     seed: int = field(default=0, kw_only=True)
-
-    if not TYPE_CHECKING:
-        __getattr__ = missing_name
 
     def planning(
         self, start_pose: ArrayLike, goal_pose: ArrayLike, rng: Any = None, show_animation: bool = True
@@ -198,6 +179,6 @@ class PRMPlanner:
         import shapely
 
         seed = self.seed if rng is None else int(rng.random() * 2**32)
-        sampling = Sampling(self.n_sample, seed, neighbors=self.n_knn)
-        disc = _Mover(shapely.Point(0.0, 0.0), self.robot_radius, self.max_edge_len)
-        return _way("prm", self.env_map, disc, (start_pose, goal_pose), sampling)
+        sampling = Sampling(self.n_sample, seed, self.max_edge_len, neighbors=self.n_knn)
+        core = shapely.Point(0.0, 0.0)
+        return _way("prm", self.env_map, core, self.robot_radius, (start_pose, goal_pose), sampling)

@@ -153,13 +153,7 @@ def robot_info(
 
 def obstacle_info(body: IrSimReadings, half_planes: HalfPlanes) -> ObstacleInfo:
     """Return where a body is."""
-    return ObstacleInfo(
-        center=body.position,
-        vertex=body.vertices,
-        velocity=body.velocity_xy,
-        radius=body.radius,
-        **half_planes._asdict(),
-    )
+    return ObstacleInfo(body.position, body.vertices, body.velocity_xy, body.radius, *half_planes)
 
 
 def is_map(simulation: Simulation, body: int) -> bool:

@@ -65,9 +65,7 @@ def scatter(
                     break
             else:
                 name = simulation.parts.names[b]
-                raise PlacementError(
-                    f"no place found for '{name}' in {SCATTER_TRIES} draws that is clear of the others"
-                )
+                raise PlacementError(f"no place found for '{name}' in {SCATTER_TRIES} draws clear of the others")
     except PlacementError:
         state.pose[0, chosen] = before
         raise

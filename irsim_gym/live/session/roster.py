@@ -64,6 +64,4 @@ class Roster:
     def present(self, role: int | None = None) -> list[str]:
         """Return the names of the bodies that this level has, in the order in which they are stepped."""
         model = self._simulation.model
-        return [
-            name for name, b in self._index.items() if model.present[0, b] and (role is None or model.role[b] == role)
-        ]
+        return [name for name, b in self._index.items() if model.present[0, b] and role in (None, model.role[b])]

@@ -1,7 +1,5 @@
 """The meaning of keys: velocities of the selected robot, and commands to the world."""
 
-from __future__ import annotations
-
 import time
 import warnings
 from collections.abc import Sequence
@@ -20,17 +18,8 @@ SPEED_STEP = 0.2
 AXES = {"ahead": ("w", "s"), "aside": ("a", "d"), "turn": ("q", "e")}
 """The keys of each direction of motion: the positive one and the negative one."""
 
-COMMANDS = {
-    "r": "reset",
-    "n": "next",
-    "space": "pause",
-    "escape": "quit",
-    "x": "switch",
-    "l": "reload",
-    "f5": "step",
-    "v": "figure",
-    "y": "display",
-}
+COMMANDS = {"r": "reset", "n": "next", "space": "pause", "escape": "quit", "x": "switch"}
+COMMANDS |= {"l": "reload", "f5": "step", "v": "figure", "y": "display"}
 """Keys that command the world, and their commands."""
 
 

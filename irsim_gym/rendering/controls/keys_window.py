@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from irsim_gym.rendering.controls.keys import Stroke
 
 if TYPE_CHECKING:
-    from irsim_gym.rendering.windows.window import Window, WindowEvent
+    from irsim_gym.rendering.windows.window import Window
 
 SPELT = {" ": "space", "enter": "return", "": "unknown"}
 """Names of keys that matplotlib spells in another way."""
@@ -19,19 +19,13 @@ class WindowKeys:
     def __init__(self, window: Window) -> None:
         self._came: list[Stroke] = []
         self._alt = False
-        window.connect("key_press", self._pressed)
-        window.connect("key_release", self._released)
+        window.connect("key_press", lambda event: self._take(event.key, event.time, down=True))
+        window.connect("key_release", lambda event: self._take(event.key, event.time, down=False))
 
     def strokes(self) -> list[Stroke]:
         """Return the strokes since the last call, in order."""
         came, self._came = self._came, []
         return came
-
-    def _pressed(self, event: WindowEvent) -> None:
-        self._take(event.key, event.time, down=True)
-
-    def _released(self, event: WindowEvent) -> None:
-        self._take(event.key, event.time, down=False)
 
     def _take(self, name: str, time: float, *, down: bool) -> None:
         """Record a key by matplotlib's name of it: ``w``, ``W`` with shift, ``alt+1``."""

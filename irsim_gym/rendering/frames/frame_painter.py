@@ -160,13 +160,9 @@ class FramePainter:
             if layout not in looks:
                 looks[layout] = look_from(layout), self._boxes(layout)
         places = [looks[layout] for layout in layouts]
-        return records.Look(
-            views=np.array([view for view, _ in places]),
-            boxes=np.array([boxes for _, boxes in places]),
-            bounds=self._model.bounds,
-            flag=np.array(theme.FLAG) * self.point,
-            flagged=self.plan.flagged,
-        )
+        views, boxes = (np.array([place[k] for place in places]) for k in (0, 1))
+        bounds, flag = self._model.bounds, np.array(theme.FLAG) * self.point
+        return records.Look(views=views, boxes=boxes, bounds=bounds, flag=flag, flagged=self.plan.flagged)
 
     def _boxes(self, layout: Layout) -> Ints:
         plot = plot_box(layout)
@@ -188,16 +184,11 @@ class FramePainter:
                 radial = group.arrays["radial_velocity"][worlds].reshape(row.shape)
                 speeds[:, first : first + row.shape[1]] = radial
             first += row.shape[1]
-        return records.RasterSource(
-            self.plan.scans,
-            model,
-            state,
-            records.Readings(self.plan.angles, ranges, speeds, self._explored),
-            records.Past(*self._reader.trails.tables()),
-            records.Prints(
-                self._masks.levels, self._masks.rows, self._images.pixels, self._images.rows, self.plan.corners
-            ),
-        )
+        read = records.Readings(self.plan.angles, ranges, speeds, self._explored)
+        masks, images = self._masks, self._images
+        prints = records.Prints(masks.levels, masks.rows, images.pixels, images.rows, self.plan.corners)
+        past = records.Past(*self._reader.trails.tables())
+        return records.RasterSource(self.plan.scans, model, state, read, past, prints)
 
     def words(self, worlds: Ints, statuses: Sequence[str], overlays: Sequence[Overlay]) -> tuple[Ints, Ints, Floats]:
         """Return the words of the heads: their places, the end of each picture's words, and their colours."""

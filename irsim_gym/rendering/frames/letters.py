@@ -8,8 +8,9 @@ from pathlib import Path
 import numpy as np
 from PIL import Image, ImageDraw, ImageFont, features
 
-from irsim_gym.base.arraytypes import Bytes, Ints, Rays
+from irsim_gym.base.arraytypes import Bytes, Ints
 from irsim_gym.rendering.looks import fonts
+from irsim_gym.rendering.raster.records import RasterCanvas
 from irsim_gym.rendering.raster.sheets import new_sheet
 
 
@@ -54,16 +55,16 @@ class Masks:
         self.levels = np.concatenate([self.levels, np.ascontiguousarray(mask).ravel()])
         return len(self.rows) - 1
 
-    def drawn(self, reach: float, draw: Callable[[Bytes, Rays, Ints, float], None]) -> int:
+    def drawn(self, reach: float, draw: Callable[[RasterCanvas, float], None]) -> int:
         """Add a mask that a function draws in white on a picture ``(side, side, 1)``, and return its number.
 
         Args:
             reach: Extent of the mask from the middle [pixel].
-            draw: Draws the mask; gets the picture, a sheet, a box and the coordinate of the middle.
+            draw: Draws the mask; gets what to paint on and the coordinate of the middle.
         """
         half = int(np.ceil(reach)) + 1
         picture, box = np.zeros((2 * half, 2 * half, 1), np.uint8), np.array([0, 0, 2 * half, 2 * half])
-        draw(picture, new_sheet(2 * half, 2 * half), box, float(half))
+        draw(RasterCanvas(picture, new_sheet(2 * half, 2 * half), box), float(half))
         return self.add(picture[:, :, 0], -half, -half)
 
     def word(self, text: str, size: float, *, bold: bool = False) -> Word:

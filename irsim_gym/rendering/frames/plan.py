@@ -97,16 +97,9 @@ class Plan:
             edge = line = colour(style.edge_colour, style.alpha)
         else:
             edge, line = shade(style.colour, 0.68, style.alpha), fill
-        return self._item(
-            kind,
-            body,
-            colours=[fill, edge, line],
-            width=style.line_width,
-            other_width=style.wall_width,
-            style=LINE_STYLES[style.line_style],
-            filled=style.filled,
-            **fields,
-        )
+        fields |= {"style": LINE_STYLES[style.line_style], "filled": style.filled}
+        widths = {"width": style.line_width, "other_width": style.wall_width}
+        return self._item(kind, body, colours=[fill, edge, line], **widths, **fields)
 
     def _fixed_items(self, body: int) -> Iterator[Item]:
         """Yield the items of a body that never moves, with its shadows."""
@@ -153,16 +146,9 @@ class Plan:
         is_car = self._model.drive[body] == ACKERMANN and body not in self._images
         form = records.ARROW if style.arrow is not None else records.WINDSCREEN if is_car else records.WEDGE
         length, width = style.arrow or (0.0, 0.0)
-        return self._item(
-            records.HEADING,
-            body,
-            colours=[colour(style.arrow_colour, style.arrow_alpha)],
-            form=form,
-            x=length,
-            y=width,
-            box=records.WALLS,
-            turns=styles.is_omni(self._bodies[body]),
-        )
+        colours, turns = [colour(style.arrow_colour, style.arrow_alpha)], styles.is_omni(self._bodies[body])
+        look = {"form": form, "x": length, "y": width, "box": records.WALLS, "turns": turns}
+        return self._item(records.HEADING, body, colours=colours, **look)
 
     def _label(self, body: int, style: BodyStyle) -> Iterator[Item]:
         for kind, text in ((records.LABEL, style.label), (records.GOAL_LABEL, style.goal_label)):

@@ -40,16 +40,6 @@ def _read(file: Path, changed: int) -> Bytes:
     return pixels
 
 
-def reduced(frame: Bytes, width: int) -> Bytes:
-    """Return a frame reduced to at most ``width`` pixels in width."""
-    from PIL import Image
-
-    if frame.shape[1] <= width:
-        return frame
-    size = width, round(width * frame.shape[0] / frame.shape[1])
-    return np.asarray(Image.fromarray(frame).resize(size, Image.Resampling.LANCZOS))
-
-
 def save_picture(picture: Bytes, path: Path) -> Path:
     """Write a picture atomically to a file, in the format of its suffix, such as ``.png``."""
     from PIL import Image

@@ -280,15 +280,10 @@ def _ghost(plot: ObjectPlot, colour: str) -> BodyStyle:
     """Return the style of the outlines in a body's trail."""
     edge, edge_alpha = faded(_or_else(plot.trail_edgecolor, colour), plot.trail_alpha)
     fill, fill_alpha = faded(_or_else(plot.trail_color, colour), plot.trail_alpha)
-    return BodyStyle(
-        colour=fill,
-        edge_colour=CLEAR if edge_alpha == 0.0 else edge,
-        filled=plot.trail_fill,
-        alpha=fill_alpha if plot.trail_fill else edge_alpha,
-        line_width=plot.trail_linewidth,
-        wall_width=plot.trail_linewidth,
-        order=_or_else(plot.trail_zorder, GROUND),
-    )
+    filled, wide = plot.trail_fill, plot.trail_linewidth
+    look: dict[str, Any] = {"filled": filled, "line_width": wide, "wall_width": wide}
+    look |= {"alpha": fill_alpha if filled else edge_alpha, "order": _or_else(plot.trail_zorder, GROUND)}
+    return BodyStyle(colour=fill, edge_colour=CLEAR if edge_alpha == 0.0 else edge, **look)
 
 
 def faded(colour: str, alpha: float) -> tuple[str, float]:

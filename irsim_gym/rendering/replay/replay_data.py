@@ -10,16 +10,9 @@ import numpy as np
 from irsim_gym.base.arraytypes import Floats
 from irsim_gym.rendering.looks import theme
 from irsim_gym.rendering.looks.packing import METRE, packed
+from irsim_gym.rendering.replay import replay_tracks
 from irsim_gym.rendering.replay.replay_items import Items, SharedItems
-from irsim_gym.rendering.replay.replay_tracks import (
-    BodyTrack,
-    Changes,
-    FogTrack,
-    ScanTrack,
-    Seen,
-    map_figure,
-    marks_seen,
-)
+from irsim_gym.rendering.replay.replay_tracks import BodyTrack, Changes, FogTrack, ScanTrack, Seen
 from irsim_gym.rendering.scene import vocabulary
 from irsim_gym.rendering.scene.scene import DrawnBody, Scene
 from irsim_gym.simulator.readings.marks import Overlay
@@ -199,7 +192,7 @@ class Recording:
     def _items(self, bodies: Sequence[BodyTrack], items: Items) -> Items:
         """Add all items."""
         for view, spans in self._maps.things.values():
-            items.add(map_figure(view), spans=spans)
+            items.add(replay_tracks.map_figure(view), spans=spans)
         for tone, spans in self._outcomes.things.values():
             for figure in vocabulary.outcome(tone, self.last.bounds):
                 items.add(figure, spans=spans)
@@ -212,7 +205,7 @@ class Recording:
         for goal, spans in self._goals.things.values():
             for thing in vocabulary.goal(goal):
                 items.add(thing, spans=spans)
-        for mark, spans in marks_seen(self._overlays).things.values():
+        for mark, spans in replay_tracks.marks_seen(self._overlays).things.values():
             items.add(vocabulary.mark(mark), spans=spans)
         return items
 

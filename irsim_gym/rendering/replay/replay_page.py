@@ -48,11 +48,5 @@ def _recorded(recordings: Sequence[Recording], title: str) -> dict[str, Any]:
     """Return the data of a page."""
     shared = SharedItems()
     episodes = [recording.data(shared) for recording in recordings]
-    return {
-        "schema": SCHEMA,
-        "version": VERSION,
-        "title": title or episodes[0]["title"],
-        "theme": vocabulary.page_constants(),
-        **shared.data(),
-        "episodes": episodes,
-    }
+    about = {"schema": SCHEMA, "version": VERSION, "title": title or episodes[0]["title"]}
+    return {**about, "theme": vocabulary.page_constants(), **shared.data(), "episodes": episodes}

@@ -110,12 +110,9 @@ class BodyTrack:
         rows = np.full((count, 4), np.nan)
         for moment, row in self._rows.items():
             rows[moment] = row
-        return {
-            "name": self._view.name,
-            "fixed": self.fixed,
-            "shape": shared.shape(vocabulary.outline(self._view.form)),
-            "poses": [packed(rows[:, :2], METRE), packed(rows[:, 2:], RADIAN)],
-        }
+        poses = [packed(rows[:, :2], METRE), packed(rows[:, 2:], RADIAN)]
+        shape = shared.shape(vocabulary.outline(self._view.form))
+        return {"name": self._view.name, "fixed": self.fixed, "shape": shape, "poses": poses}
 
     def draw(self, items: Items, number: int, struck: Seen) -> None:
         """Add the items of the body with this number; ``struck`` holds colliding bodies by name."""
@@ -196,11 +193,8 @@ class FogTrack:
 
     def data(self) -> dict[str, Any]:
         """Return the fog as JSON: the cells that change at each moment, as differences; initially none is covered."""
-        return {
-            "extent": [round(float(value), 6) for value in self._view.extent],
-            "size": list(self._view.covered.shape),
-            "changes": self._changes,
-        }
+        extent = [round(float(value), 6) for value in self._view.extent]
+        return {"extent": extent, "size": list(self._view.covered.shape), "changes": self._changes}
 
     def draw(self, items: Items) -> None:
         """Add the fog."""

@@ -154,11 +154,8 @@ class BodyReader:
 
 def labels(bodies: Sequence[DrawnBody], goals: Sequence[GoalView]) -> tuple[LabelView, ...]:
     """Return the texts beside bodies and below goals."""
-    beside = [
-        LabelView(*view.anchor, view.style.label, view.style, None if view.style.label_offset else _foot(view))
-        for view in bodies
-        if view.style.label
-    ]
+    named = [(view, view.style) for view in bodies if view.style.label]
+    beside = [LabelView(*view.anchor, one.label, one, None if one.label_offset else _foot(view)) for view, one in named]
     below = [
         LabelView(view.x, view.y, view.style.goal_label, view.style, view.y - view.tolerance)  # below its own flag
         for view in goals

@@ -159,16 +159,11 @@ class SceneReader:
         x, y, heading = state.goal[world, body].tolist()
         counts = model.arrive_mode[body] == STATE
         later = slice(int(state.waypoint[world, body]) + 1, int(model.waypoint_count[world, body]))
-        return GoalView(
-            x=x,
-            y=y,
-            heading=heading if counts else math.nan,
-            tolerance=float(model.goal_threshold[world % len(model.goal_threshold), body]),
-            later=model.waypoints[world, body, later, :2].copy(),
-            arrived=bool(state.arrived[world, body]),
-            name=self._names[body],
-            style=self._styles[body],
-        )
+        limits, faces = model.goal_threshold, heading if counts else math.nan
+        within = float(limits[world % len(limits), body])
+        name, style, arrived = self._names[body], self._styles[body], bool(state.arrived[world, body])
+        rest = model.waypoints[world, body, later, :2].copy()
+        return GoalView(x=x, y=y, heading=faces, tolerance=within, later=rest, arrived=arrived, name=name, style=style)
 
     def _field_views(self, world: int, present: Flags) -> tuple[FieldView, ...]:
         views = []

@@ -17,20 +17,8 @@ from irsim_gym.rendering.raster.beams import MOST_BEAMS
 from irsim_gym.rendering.raster.figures import APART, FADE_STEPS, FAINTEST
 from irsim_gym.rendering.raster.play import LABEL_GAP
 from irsim_gym.rendering.raster.ways import DASHES
-from irsim_gym.rendering.scene import frame_layout
-from irsim_gym.rendering.scene.primitives import (
-    Beams,
-    Cover,
-    Figure,
-    Ink,
-    Pen,
-    Picture,
-    Primitive,
-    Shape,
-    SpeedInks,
-    Way,
-    Words,
-)
+from irsim_gym.rendering.scene import frame_layout, primitives
+from irsim_gym.rendering.scene.primitives import Beams, Cover, Figure, Ink, Pen, Picture, Primitive, Shape, Way, Words
 from irsim_gym.rendering.scene.scene import DrawnBody, FogView, Form, GoalView
 from irsim_gym.simulator.readings.marks import LineMark, Mark, PointsMark, TextMark
 
@@ -239,13 +227,13 @@ def scan(style: ScanStyle, beams: int) -> Iterator[Beams]:
         yield Beams("hits", TOP, "dots", "valid", rim, radius=radius, speeds=speed_inks(style, 1.0))
 
 
-def speed_inks(style: ScanStyle, opacity: float) -> SpeedInks | None:
+def speed_inks(style: ScanStyle, opacity: float) -> primitives.SpeedInks | None:
     """Return the colours of radial velocities; None if the sensor does not measure them."""
     speed = style.velocity
     if speed is None:
         return None
     rest, away, nearer = (Ink(name, opacity) for name in (speed.rest_colour, speed.away_colour, speed.nearer_colour))
-    return SpeedInks(rest, away, nearer, speed.full_speed)
+    return primitives.SpeedInks(rest, away, nearer, speed.full_speed)
 
 
 def fog(view: FogView) -> Cover:

@@ -11,14 +11,8 @@ from matplotlib.figure import Figure
 
 from irsim_gym.base.errors import NoWindowError
 
-BACKENDS = {
-    "tk": "matplotlib.backends.backend_tkagg",
-    "qt": "matplotlib.backends.backend_qtagg",
-    "gtk4": "matplotlib.backends.backend_gtk4agg",
-    "gtk3": "matplotlib.backends.backend_gtk3agg",
-    "wx": "matplotlib.backends.backend_wxagg",
-    "macosx": "matplotlib.backends.backend_macosx",
-}
+MODULES = {"tk": "tkagg", "qt": "qtagg", "gtk4": "gtk4agg", "gtk3": "gtk3agg", "wx": "wxagg", "macosx": "macosx"}
+BACKENDS = {name: f"matplotlib.backends.backend_{module}" for name, module in MODULES.items()}
 INSTEAD = "Pictures need no window: render_mode='rgb_array', save_figure and films work without a display."
 VIRTUAL = "Without a screen, a virtual one will do: `xvfb-run -a python script.py`."
 DRIVERS = {

@@ -19,15 +19,9 @@ from irsim_gym.rendering.looks import theme
 from irsim_gym.rendering.windows.toolkits import INSTEAD, event_time, new_manager
 
 EventName = Literal["key_press", "key_release", "mouse_press", "mouse_release", "mouse_move", "mouse_leave", "scroll"]
-NAMES: dict[EventName, str] = {
-    "key_press": "key_press_event",
-    "key_release": "key_release_event",
-    "mouse_press": "button_press_event",
-    "mouse_release": "button_release_event",
-    "mouse_move": "motion_notify_event",
-    "mouse_leave": "figure_leave_event",
-    "scroll": "scroll_event",
-}
+NAMES: dict[EventName, str] = {name: f"{name}_event" for name in ("key_press", "key_release")}
+NAMES |= {"mouse_press": "button_press_event", "mouse_release": "button_release_event", "scroll": "scroll_event"}
+NAMES |= {"mouse_move": "motion_notify_event", "mouse_leave": "figure_leave_event"}
 DOTS_PER_INCH = 100.0
 PAUSE_S = 0.005
 FINE_SCREEN = 1.5
@@ -171,14 +165,9 @@ class Window:
         width, height = self._canvas.get_width_height(physical=True)
         column, row = self._picture.place(event.x or 0.0, height - (event.y or 0.0), width, height)
         button = getattr(event, "button", None)
-        return WindowEvent(
-            key=getattr(event, "key", None) or "",
-            column=column,
-            row=row,
-            button=int(button) if isinstance(button, int) else 0,
-            steps=float(getattr(event, "step", 0.0) or 0.0),
-            time=event_time(event.guiEvent),
-        )
+        key, steps = getattr(event, "key", None) or "", float(getattr(event, "step", 0.0) or 0.0)
+        number, time = int(button) if isinstance(button, int) else 0, event_time(event.guiEvent)
+        return WindowEvent(key=key, column=column, row=row, button=number, steps=steps, time=time)
 
 
 class _Picture(Artist):

@@ -63,12 +63,9 @@ class Driving:
     def topics(self) -> list[tuple[str, Any, Callable[[Any], None], bool]]:
         """Return the topics to hear: name, type, what takes a message, and whether the next message makes up for it."""
         scan = [("scan", LaserScan, self.scan, True)] if self.driver.contract["scan"] else []
-        return [
-            *scan,
-            ("odom", Odometry, self.odometry, True),
-            ("goal_pose", PoseStamped, partial(self.place, self.driver.goal), False),
-            ("plan", Way, partial(self.place, self.driver.path), False),
-        ]
+        goal, path = (partial(self.place, take) for take in (self.driver.goal, self.driver.path))
+        ways = [("goal_pose", PoseStamped, goal, False), ("plan", Way, path, False)]
+        return [*scan, ("odom", Odometry, self.odometry, True), *ways]
 
     def begin(self) -> None:
         """Forget everything but the goal, as after a pause."""

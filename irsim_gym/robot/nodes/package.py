@@ -50,9 +50,7 @@ def package_files(contract: RobotContract, node: str) -> dict[str, str]:
     files = {file.relative_to(root).as_posix(): file for file in sorted(root.rglob("*")) if file.is_file()}
     places = {place: file for place, file in files.items() if place != "__init__.py" and "__pycache__" not in place}
     places[f"{OWN}/driving.py"] = HERE / "driving.py"
-    return {
-        _replaced(place, words): _replaced(file.read_text(encoding="utf-8"), words) for place, file in places.items()
-    }
+    return {_replaced(place, words): _replaced(one.read_text(encoding="utf-8"), words) for place, one in places.items()}
 
 
 def _replaced(text: str, words: dict[str, str]) -> str:

@@ -155,16 +155,8 @@ def with_map(
     while name in names:
         name += "_map"
     group = 1 + max((body.group for body in bodies), default=-1)
-    body = BodySpec(
-        name=name,
-        role="obstacle",
-        entry=len(placements),
-        line=line,
-        shape=world.obstacle_map,
-        static=True,
-        group=group,
-        group_name=f"{OBSTACLE}_{group}",
-        color=plot_spec.MAP_COLOR,
-    )
+    look: dict[str, Any] = {"group": group, "group_name": f"{OBSTACLE}_{group}", "color": plot_spec.MAP_COLOR}
+    look |= {"shape": world.obstacle_map, "static": True}
+    body = BodySpec(name=name, role="obstacle", entry=len(placements), line=line, **look)
     placement = PlacementSpec((number,), PLACEMENTS.entry("manual").kind(), None, "obstacle", line)
     return (*bodies, body), (*placements, placement)

@@ -64,9 +64,7 @@ def check_drive(values: Values, places: Places, report: Report) -> None:
         if behavior is None or values["static"]:
             continue
         if drive is None and (values["mass"] or math.inf) < math.inf:
-            report.add(
-                places[key], f"a body that coasts, with a mass and no drive, decides nothing: {CURE.format(key=key)}"
-            )
+            report.add(places[key], f"a body that coasts (a mass, no drive) decides nothing: {CURE.format(key=key)}")
         elif drive is None:
             report.doubt(places[key], f"the body has no kinematics, so it stands still: {CURE.format(key=key)}")
         elif not commands(behavior, type(drive)) and not steers(behavior, type(drive)):

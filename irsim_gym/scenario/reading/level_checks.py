@@ -74,13 +74,8 @@ def without_map(scenario: Scenario) -> tuple[tuple[BodySpec, ...], tuple[Placeme
 
 def drawn_bodies(bodies: Sequence[BodySpec], placements: Sequence[PlacementSpec]) -> tuple[int, ...]:
     """Return the bodies whose start, goal, outline or presence levels draw."""
-    return tuple(
-        b
-        for b, body in enumerate(bodies)
-        if body.shape.is_random
-        or placements[body.entry].kind.is_random
-        or placements[body.entry].number_range is not None
-    )
+    drawn = {k for k, one in enumerate(placements) if one.kind.is_random or one.number_range is not None}
+    return tuple(b for b, body in enumerate(bodies) if body.shape.is_random or body.entry in drawn)
 
 
 def levels_differ(scenario: Scenario) -> bool:
@@ -135,7 +130,7 @@ def _misfits_of(
     if placement.number_range is None and not present.all():
         yield "present", f"{_where(~present, name)}: must be there, since its entry has no number_range"
     count = (~np.isnan(levels.goal[:, k, :, 0])).sum(axis=1) * present
-    is_mobile = body.kinematics is not None and not body.static
+    is_mobile = not body.static
     drawn = n_goals_drawn(placement) if is_mobile else 0
     if count.any() and not drawn and not (is_mobile and len(body.goal) == 1):
         has = f"{len(body.goal)} goals" if is_mobile and body.goal else "no goal"

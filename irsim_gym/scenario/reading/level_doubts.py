@@ -45,13 +45,14 @@ def _outside(place: Floats, world: WorldSpec) -> Flags:
 
 
 def _at_goal(levels: LevelSet, k: int, body: BodySpec) -> Flags:
-    """Return the levels in which a body's only goal is where it starts."""
+    """Return the levels in which the only goal of a body, which has a drive to go there, is where it starts."""
     goals = levels.goal[:, k, :, :2].copy()
     if len(body.goal) == 1:
         goals[np.isnan(goals[:, 0, 0]), 0] = body.goal[0][:2]
     distance = np.hypot(*(goals[:, 0] - levels.start[:, k, :2]).T)
     has_more = np.isfinite(goals[:, 1:, 0]).any(axis=1) | (len(body.goal) > 1)
-    return np.asarray((distance < body.goal_threshold) & ~has_more & (body.arrive_mode == "position"))
+    counts = body.arrive_mode == "position" and not body.coasts
+    return np.asarray((distance < body.goal_threshold) & ~has_more & counts)
 
 
 def _in_cells(place: Floats, scenario: Scenario, levels: LevelSet, body: BodySpec) -> Flags:

@@ -75,10 +75,8 @@ def read_cells(world: WorldSpec, place: Place, source: Source, report: Report) -
         size = f"{cells.shape[0]} x {cells.shape[1]}"
         report.add(place, f"must have 1 to {MOST_CELLS} cells, got {size}; mdownsample keeps every n-th")
         return None
-    radius, side = (
-        getattr(world.obstacle_map, "disc_radius", None),
-        min(world.width / cells.shape[0], world.height / cells.shape[1]),
-    )
+    radius = getattr(world.obstacle_map, "disc_radius", None)
+    side = min(world.width / cells.shape[0], world.height / cells.shape[1])
     if radius is not None and radius > 0.5 * side * (1.0 + 1e-9):
         message = f"must be at most half a cell, {0.5 * side:g} m, got {radius:g}: cells are {side:g} m wide"
         report.add((*place, "disc_radius"), message)

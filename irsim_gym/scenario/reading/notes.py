@@ -79,9 +79,7 @@ def _world_notes(scenario: Scenario) -> Iterator[Problem]:
         return
     yield from _passing_notes(scenario)
     if world.step_time > LONGEST_STEP:
-        yield scenario.problem(
-            ("world", "step_time"), f"{world.step_time:g} s is a long step: bodies may jump through walls"
-        )
+        yield scenario.problem(("world", "step_time"), f"{world.step_time:g} s is a long step: bodies may pass walls")
 
 
 def _passing_notes(scenario: Scenario) -> Iterator[Problem]:
@@ -136,9 +134,7 @@ def _view_notes(scenario: Scenario) -> Iterator[Problem]:
             value = read_numbers(entry.data.get("fov"))
             for width in value if isinstance(value, list) else [value]:
                 if width is not None and width > LARGEST_ANGLE:
-                    yield scenario.source.problem(
-                        (*entry.place, "fov"), f"fov {width:g} is more than a turn: {DEGREES}"
-                    )
+                    yield scenario.source.problem((*entry.place, "fov"), f"fov {width:g} exceeds a turn: {DEGREES}")
 
 
 def _body_notes(body: BodySpec, scenario: Scenario) -> Iterator[str]:

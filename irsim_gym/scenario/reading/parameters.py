@@ -90,11 +90,8 @@ class ParameterSpec:
         words = {bool: "true or false", int: "a whole number", float: "a number", str: "text"}[self.value_type]
         if self.min is not None and self.max is not None:
             return f"{words} from {self.min:g} to {self.max:g}"
-        return (
-            words
-            + (f" >= {self.min:g}" if self.min is not None else "")
-            + (f" <= {self.max:g}" if self.max is not None else "")
-        )
+        bounds = ((">=", self.min), ("<=", self.max))
+        return words + "".join(f" {sign} {bound:g}" for sign, bound in bounds if bound is not None)
 
     def convert(self, value: object) -> Any:
         """Convert a value to the parameter's type if possible; numbers may be text, e.g. ``"pi/2"``."""
@@ -166,14 +163,9 @@ def describe_parameters(source: Source, values: Mapping[str, Value] | None = Non
 
 
 def _lines(specs: Mapping[str, ParameterSpec], values: Mapping[str, Value]) -> list[str]:
-    cells = [
-        (
-            f"{name} = {show(values.get(name, spec.default))}" + (f" [{spec.unit}]" if spec.unit else ""),
-            spec.allowed,
-            spec.meaning,
-        )
-        for name, spec in specs.items()
-    ]
+    shown = {name: f"{name} = {show(values.get(name, spec.default))}" for name, spec in specs.items()}
+    units = {name: f" [{spec.unit}]" if spec.unit else "" for name, spec in specs.items()}
+    cells = [(shown[name] + units[name], spec.allowed, spec.meaning) for name, spec in specs.items()]
     first, second = (max((len(row[i]) for row in cells), default=0) for i in (0, 1))
     return [f"{value:<{first}}   {allowed:<{second}}   {meaning}" for value, allowed, meaning in cells]
 

@@ -30,11 +30,7 @@ class BodyOptions:
 
     preset: str | None = option(None, meaning="A shipped robot, whose values hold where the entry has no key.")
     number: int = option(
-        1,
-        ge=0,
-        le=MAX_BODIES,
-        meaning="Number of bodies in the entry.",
-        consequence="Too many: an error names the body.",
+        1, ge=0, le=MAX_BODIES, meaning="Number of bodies in the entry.", consequence="Too many: an error names one."
     )
     number_range: tuple[int, int] | None = option(None, meaning="Bounds of a number drawn by level; replaces number.")
     distribution: Any = option(None, meaning="How starts and goals are chosen; default: as given (manual).")
@@ -42,11 +38,7 @@ class BodyOptions:
     kinematics: Any = option(None, meaning="The drive; a body without one, or with {name: static}, never moves.")
     shape: Any = option(None, meaning="The footprint; default: a circle of radius 0.2 m.")
     state: tuple[Coordinate, ...] = option(
-        (0.0, 0.0, 0.0),
-        min_length=1,
-        unit="m, m, rad",
-        meaning="Start pose; missing numbers are 0.",
-        consequence="Degrees instead of radians give an arbitrary heading.",
+        (0.0, 0.0, 0.0), min_length=1, unit="m, m, rad", meaning="Start pose; missing numbers are 0."
     )
     velocity: tuple[float, ...] = option(
         (),
@@ -75,15 +67,15 @@ class BodyOptions:
     color: str | None = option(
         None,
         min_length=1,
-        meaning="Colour: a name, '#rrggbb', or 3 or 4 numbers from 0 to 1; 'cycle' gives each body of the entry "
-        "its own. Default: green for robots, grey for obstacles.",
+        meaning="Colour: a name, '#rrggbb', or 3 or 4 numbers from 0 to 1; 'cycle' gives each body of the entry its "
+        "own. Default: green for robots, grey for obstacles.",
     )
     static: bool = option(False, meaning="The body never moves.")
     vel_min: tuple[float, ...] | None = option(
         None,
         unit="m/s or rad/s",
         meaning="Minimum velocities; default: -1 each.",
-        consequence="Above 0: it cannot stand.",
+        consequence="Above 0: it never stands.",
     )
     vel_max: tuple[float, ...] | None = option(
         None,
@@ -103,7 +95,7 @@ class BodyOptions:
         ge=0.0,
         unit="m",
         meaning="The body reaches the goal when it is closer than this.",
-        consequence="If smaller than half the distance of a step, the body may jump over the goal; 0 is never reached.",
+        consequence="If smaller than half of a step's way, the body may jump over the goal; 0 is never reached.",
     )
     sensors: Any = option(None, meaning="List of sensors.")
     disturbances: Any = option(None, meaning="List of what makes the robot drive and measure differently.")
@@ -119,12 +111,7 @@ class BodyOptions:
         "absolute path, or a shipped one: car_blue.png, car_green.png, car_red.png, diff_robot0.png, diff_robot1.png; "
         "default: car_green.png for a rectangular acker robot without a colour or line style.",
     )
-    group: int | None = option(
-        None,
-        ge=0,
-        meaning="Number of the group; default: one per entry.",
-        consequence="With the same number, a group_behavior drives robots of several entries together.",
-    )
+    group: int | None = option(None, ge=0, meaning="Number of the group, which joins entries; default: one per entry.")
     group_name: str | None = option(None, min_length=1, meaning="Name of the group; default: role_group.")
     unobstructed: bool = option(
         False,

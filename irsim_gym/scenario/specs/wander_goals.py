@@ -13,20 +13,12 @@ class WanderGoals:
     """The positions of a wandering body's goals, and when they change other than on arrival."""
 
     radius: float | None = option(
-        None,
-        gt=0.0,
-        unit="m",
-        meaning="Goals lie on a circle of this radius around the middle of range_low and range_high; default: "
-        "anywhere between them.",
+        None, gt=0.0, unit="m", meaning="Goals lie on a circle of this radius amid the range; default: anywhere in it."
     )
     jitter: float = option(0.0, ge=0.0, unit="m", meaning="Goals on the circle are drawn from a disc of this radius.")
     keep_first: bool = option(False, meaning="The first goal is that of the entry; by default it is drawn as the rest.")
     interval: float | None = option(
-        None,
-        gt=0.0,
-        unit="s",
-        meaning="At multiples of this time a body gives up its goal for a new one, with the probability chance; in "
-        "whole steps. It has no effect on learners.",
+        None, gt=0.0, unit="s", meaning="At its multiples a body, no learner, takes a new goal with probability chance."
     )
     patience: float | None = option(
         None,

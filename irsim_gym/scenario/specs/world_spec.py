@@ -15,14 +15,7 @@ class WorldSpec:
     """The section ``world``."""
 
     name: str = option("world", min_length=1, max_length=200, meaning="Name of the world; default: the file's name.")
-    width: float = option(
-        10.0,
-        gt=0.0,
-        le=1e5,
-        unit="m",
-        meaning="Size of the world in x.",
-        consequence="Only pictures, maps, default placements and left_world use it; bodies may leave the world.",
-    )
+    width: float = option(10.0, gt=0.0, le=1e5, unit="m", meaning="Size in x; bodies may leave it.")
     height: float = option(10.0, gt=0.0, le=1e5, unit="m", meaning="Size of the world in y.", consequence="As width.")
     step_time: float = option(
         0.1,
@@ -30,14 +23,10 @@ class WorldSpec:
         le=100.0,
         unit="s",
         meaning="Duration of a step.",
-        consequence="If large, bodies jump through thin walls and over small goals. If small, runs take longer.",
+        consequence="If large, bodies jump through thin walls and over small goals.",
     )
     sample_time: float = option(
-        0.1,
-        gt=0.0,
-        unit="s",
-        meaning="Time between frames, in whole steps.",
-        consequence="Short: each step is a frame.",
+        0.1, gt=0.0, unit="s", meaning="Time from frame to frame, in steps.", consequence="Short: each step is a frame."
     )
     offset: tuple[Coordinate, Coordinate] = option(
         (0.0, 0.0), unit="m", meaning="Lower left corner of the world.", consequence="It does not shift given poses."

@@ -42,11 +42,8 @@ def collect_parts(
     # A behaviour of one's own does not act where a learner or the behaviour of the group commands the body.
     led = {*agents, *(int(b) for group in group_behaviors for b in group.members)}
     deciding = [(b, body.behavior) for b, body in bodies if body.behavior is not None and b not in led]
-    behaviors = [
-        part
-        for group in _behaviors([member for member in deciding if model.movable[member[0]]], model)
-        for part in with_scans(group, scenario.bodies, scanners)
-    ]
+    able = [member for member in deciding if model.movable[member[0]]]
+    behaviors = [part for group in _behaviors(able, model) for part in with_scans(group, scenario.bodies, scanners)]
     names = tuple(body.name for _, body in bodies)
     matter = lay_matter(scenario, model) if is_weighed(scenario) else None
     context = make_context(scenario, model, scanners, matter, lay_pushing(scenario, matter, model, n_slots))
@@ -260,9 +257,5 @@ def _turn(spec: PlacementSpec) -> int:
 
 
 def _number_ranges(scenario: Scenario) -> Ints:
-    rows = [
-        (spec.members[0], *spec.number_range)
-        for spec in scenario.placements
-        if spec.number_range is not None and spec.members
-    ]
+    rows = [(spec.members[0], *spec.number_range) for spec in scenario.placements if spec.number_range and spec.members]
     return np.array(rows, np.int64).reshape(-1, 3)

@@ -21,30 +21,13 @@ from irsim_gym.simulator.engine.start_checks import refuse_blocked_starts
 from irsim_gym.simulator.levels.level_table import roomy_outlines, varied_outlines
 from irsim_gym.simulator.levels.traits import drawn_traits, watching_bodies, write_people
 from irsim_gym.simulator.running.shards import Shards
-from irsim_gym.simulator.world.model import (
-    CONTACT,
-    KEEP_GOAL,
-    LOOP,
-    NO_DRIVE,
-    OBSTACLE,
-    POSITION,
-    ROBOT,
-    STATE,
-    STOP,
-    UNOBSTRUCTED,
-    UNOBSTRUCTED_OBSTACLES,
-    WANDER,
-    Model,
-)
+from irsim_gym.simulator.world import model as fields
+from irsim_gym.simulator.world.model import KEEP_GOAL, LOOP, NO_DRIVE, OBSTACLE, ROBOT, WANDER, Model
 from irsim_gym.simulator.world.names import Flags, Outline, State
 
-COLLISION_MODES = {
-    "stop": STOP,
-    "unobstructed": UNOBSTRUCTED,
-    "unobstructed_obstacles": UNOBSTRUCTED_OBSTACLES,
-    "contact": CONTACT,
-}
-ARRIVE_MODES = {"position": POSITION, "state": STATE}
+COLLISION_MODES = {"stop": fields.STOP, "unobstructed": fields.UNOBSTRUCTED, "contact": fields.CONTACT}
+COLLISION_MODES |= {"unobstructed_obstacles": fields.UNOBSTRUCTED_OBSTACLES}
+ARRIVE_MODES = {"position": fields.POSITION, "state": fields.STATE}
 RANDOM_OUTLINE = frozenset(
     {"local_segments", "local_discs", "segment_count", "disc_count", "reach", "radius", "centroid"}
 )

@@ -25,9 +25,7 @@ def check_scenario(scenario: object) -> None:
     """
     if not isinstance(scenario, Scenario):
         shown = repr(scenario) if isinstance(scenario, str) else "..."
-        raise TypeError(
-            f"compile() takes a loaded scenario, got {type(scenario).__name__}: compile(load_scenario({shown}))"
-        )
+        raise TypeError(f"compile() takes a scenario, got {type(scenario).__name__}: compile(load_scenario({shown}))")
 
 
 def check_agents(agents: Sequence[int], scenario: Scenario) -> tuple[int, ...]:

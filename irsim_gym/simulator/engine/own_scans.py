@@ -1,6 +1,7 @@
 """Finds the range sensors of bodies whose behaviour reads its own scan (``reads_scan``)."""
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 
@@ -45,13 +46,8 @@ def own_scan(sensors: Group, members: Ints) -> OwnScan:
     """Return the scans that some members of a group of range sensors write."""
     offset = np.array([getattr(sensor, "offset", (0.0, 0.0, 0.0)) for sensor in sensors.options], np.float64)
     angles = np.array([sensor.angles() for sensor in sensors.options], np.float64) + offset[:, 2:]
-    return OwnScan(
-        sensors=members,
-        ranges=sensors.arrays[RANGES],
-        angles=angles,
-        beams_x=np.cos(angles),
-        beams_y=np.sin(angles),
-        offset=offset,
-        range_min=np.array([getattr(sensor, "range_min", 0.0) for sensor in sensors.options], np.float64),
-        range_max=np.array([getattr(sensor, "range_max", np.inf) for sensor in sensors.options], np.float64),
-    )
+    near = np.array([getattr(sensor, "range_min", 0.0) for sensor in sensors.options], np.float64)
+    far = np.array([getattr(sensor, "range_max", np.inf) for sensor in sensors.options], np.float64)
+    scan: dict[str, Any] = {"ranges": sensors.arrays[RANGES], "angles": angles, "offset": offset}
+    beams = {"beams_x": np.cos(angles), "beams_y": np.sin(angles), "range_min": near, "range_max": far}
+    return OwnScan(sensors=members, **scan, **beams)

@@ -18,46 +18,70 @@ NODE = 10
 def find_pairs(w: int, slot: int, push: Pushing, matter: Matter, model: Model, state: State) -> None:
     """Write the pairs of bodies whose boxes meet, or may meet in this step, and their order.
 
-    Reads: push (boxes, counts, items, motions, order, pairs, sequence), matter (map_box, pushable, substance), model
-        (disc_count, disc_start, map_frame, movable, present, segment_count, segment_start, solid, step_time,
-        unobstructed, velocity_max), state (discs, pose, segments, twist).
+    Reads: push (boxes, counts, items, motions, order, pairs, sequence), matter (map_box, substance), model (disc_count,
+        disc_start, map_frame, movable, present, segment_count, segment_start, solid, step_time, unobstructed,
+        velocity_max), state (discs, pose, segments, twist).
     Writes: push (boxes, counts, items, margin, motions, order, pairs, sequence).
     """
-    boxes, pairs, own = push.boxes[slot], push.pairs[slot], model.map_frame[0].body
+    boxes, pairs, sequence, by_left = push.boxes[slot], push.pairs[slot], push.sequence[slot], push.order[slot, 4]
     n_bodies, count, is_crowded = boxes.shape[0], 0, False
     margin = 2.0 * greatest_travel(w, matter, model, state) * model.step_time[0] + SLOP
     push.margin[slot] = margin
     for b in range(n_bodies):
         bound_body(w, b, boxes[b], matter, model, state)
-    for i in range(n_bodies):
-        if not takes_part(w, i, model):
+    sort_by_left(by_left, boxes)
+    for s in range(n_bodies):
+        p = by_left[s]
+        if not takes_part(w, p, model):
             continue
-        x0, y0, x1, y1 = boxes[i, 0] - margin, boxes[i, 1] - margin, boxes[i, 2] + margin, boxes[i, 3] + margin
-        is_pushed, first = matter.substance[i].inverse > 0.0, count
-        # A body that nobody pushes meets only those that somebody does.
-        for k in range(i + 1 if is_pushed else 0, n_bodies if is_pushed else matter.pushable.shape[0]):
-            j = k if is_pushed else matter.pushable[k]
-            if j <= i or (j != own and model.unobstructed[j]) or not model.present[w, j]:
+        for t in range(s + 1, n_bodies):
+            q = by_left[t]
+            # Twice the margin, so that rounding leaves nobody out.
+            if boxes[q, 0] > boxes[p, 2] + 2.0 * margin:
+                break
+            if boxes[q, 1] > boxes[p, 3] + 2.0 * margin or boxes[q, 3] < boxes[p, 1] - 2.0 * margin:
                 continue
+            if max(matter.substance[p].inverse, matter.substance[q].inverse) <= 0.0 or not takes_part(w, q, model):
+                continue
+            i, j = min(p, q), max(p, q)
+            x0, y0, x1, y1 = boxes[i, 0] - margin, boxes[i, 1] - margin, boxes[i, 2] + margin, boxes[i, 3] + margin
             if boxes[j, 0] <= x1 and boxes[j, 2] >= x0 and boxes[j, 1] <= y1 and boxes[j, 3] >= y0:
-                pair = pairs[count]
-                pair.a, pair.b, pair.report, pair.impulse, pair.rank = i, j, -1, 0.0, 0
-                push.sequence[slot, count] = count
+                sequence[count] = i * n_bodies + j
                 count += 1
-        is_crowded = is_crowded or count - first > 1
+    if count > 1:
+        put_in_order(sequence, count)
+    for k in range(count):
+        pair, i = pairs[k], sequence[k] // n_bodies
+        pair.a, pair.b, pair.report, pair.impulse, pair.rank, pair.moves = i, sequence[k] % n_bodies, -1, 0.0, 0, -1
+        is_crowded = is_crowded or (k > 0 and pairs[k - 1].a == i)
+        sequence[k] = k
     push.counts[slot, PAIRS] = count
     place = push.order[slot, 1]
     if is_crowded:
         order_bodies(w, slot, push, model)
     if count > 1:
         rank_pairs(slot, push, matter)
-        sequence = push.sequence[slot]
         for k in range(count):
             # First by what stands between, then by body a, then by the place of body b; the last digit is the pair.
             sequence[k] = ((pairs[k].rank * n_bodies + pairs[k].a) * n_bodies + place[pairs[k].b]) * count + k
         put_in_order(sequence, count)
         for k in range(count):
             sequence[k] %= count
+
+
+@kernel
+def sort_by_left(row: Ints, boxes: Floats) -> None:
+    """Sort bodies by the left ends of their boxes, from the order of before, in which most of them still are.
+
+    Reads: boxes.
+    Writes: row.
+    """
+    for k in range(1, row.shape[0]):
+        moved, i = row[k], k
+        while i > 0 and boxes[row[i - 1], 0] > boxes[moved, 0]:
+            row[i] = row[i - 1]
+            i -= 1
+        row[i] = moved
 
 
 @kernel(inlined=True)

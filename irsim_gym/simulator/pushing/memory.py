@@ -18,16 +18,20 @@ whether that has changed in this step.
 REPORT = record_type("nx ny depth x y force", a=np.int64, b=np.int64)
 """A contact of a step: bodies a and b, the unit vector from b to a, depth [m], point [m] and force [N]."""
 PAIR = record_type(
-    "nx ny depth x y impulse tx ty", a=np.int64, b=np.int64, rank=np.int64, report=np.int64, touches=np.bool_
-)
-"""Two bodies that may touch: their deepest contact as in REPORT, the sum of its impulses [kg m], and whether both are
-bodies to push that touch at the beginning of a sweep, with the unit vector from b to a then; ``report`` is the number
-of the report, -1 before there is one, and ``rank`` tells how many bodies stand between both and one that nobody pushes.
+    "nx ny depth x y impulse tx ty", a=np.int64, b=np.int64, rank=np.int64, report=np.int64, moves=np.int64,
+    touches=np.bool_,
+)  # fmt: skip
+"""Two bodies that may touch: their deepest contact as in REPORT, how often both were moved when it was found (-1: it
+was not), the sum of its impulses [kg m], and whether both are bodies to push that touch at the beginning of a sweep,
+with the unit vector from b to a then; ``report`` is the number of the report, -1 before there is one, and ``rank``
+tells how many bodies stand between both and one that nobody pushes.
 """
-MOTION = record_type("x y heading cosine sine cx cy dx dy turn", level=np.int64, blocker=np.int64, mark=np.int64)
+MOTION = record_type(
+    "x y heading cosine sine cx cy dx dy turn", level=np.int64, blocker=np.int64, mark=np.int64, moves=np.int64
+)
 """A body while it is taken apart from others: pose and centre of mass as the step began [m, m, rad], cosine and sine of
 its heading now, how far it has been pushed [m] and turned [rad] since; how many bodies are between it and one that
-nobody pushes, its last blocker, and the search that has seen it last.
+nobody pushes, its last blocker, the search that has seen it last, and how often it has been moved.
 """
 BLOCKER = record_type("nx ny friction", next=np.int64)
 """What a body cannot move into in a sweep: unit vector from the body, friction, and the blocker before, -1 for none."""
@@ -48,7 +52,7 @@ class Pushing(Struct):
         boxes: Boxes of bodies: x0, y0, x1, y1 [m], shape ``(n_slots, n_bodies, 4)``.
         margin: How far bodies may come in the step [m], shape ``(n_slots,)``.
         items: Scratch for the order of bodies: boxes of nodes, first body and number, ``(n_slots, 2, n_bodies, 6)``.
-        order: Scratch for the order of bodies, shape ``(n_slots, 4, n_bodies)``.
+        order: Scratch for orders of bodies, in the last row by left ends of boxes, shape ``(n_slots, 5, n_bodies)``.
         pairs: Pairs of bodies, shape ``(n_slots, n_pairs)``.
         sequence: Pairs in the order in which they are treated, shape ``(n_slots, n_pairs)``.
         motions: Motions of bodies, shape ``(n_slots, n_bodies)``.
@@ -105,7 +109,7 @@ def lay_pushing(scenario: Scenario, matter: Matter | None, model: Model, n_slots
         boxes=np.zeros((n_slots, n_bodies, 4)),
         margin=np.zeros(n_slots),
         items=np.zeros((n_slots, 2, n_bodies, 6)),
-        order=np.zeros((n_slots, 4, n_bodies), np.int64),
+        order=np.tile(np.arange(n_bodies), (n_slots, 5, 1)),
         pairs=np.zeros((n_slots, n_pairs), PAIR),
         sequence=np.zeros((n_slots, n_pairs), np.int64),
         motions=np.zeros((n_slots, n_bodies), MOTION),

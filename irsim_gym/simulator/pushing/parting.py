@@ -24,9 +24,9 @@ def part_bodies(
 
     Reads: push (blockers, bounces, boxes, corners, counts, drive, felt, items, margin, motions, n_reports, order,
         pairs, reports, sequence, spans), matter (centre, corners, edge_rank, first_corner, first_piece, inertia,
-        map_box, n_corners, pushable, rounding, substance), model (disc_count, disc_start, local_discs, local_segments,
-        map_frame, movable, present, segment_count, segment_start, solid, step_time, unobstructed, velocity_max), state
-        (discs, pose, segments, twist, velocity).
+        map_box, n_corners, rounding, substance), model (disc_count, disc_start, local_discs, local_segments, map_frame,
+        movable, present, segment_count, segment_start, solid, step_time, unobstructed, velocity_max), state (discs,
+        pose, segments, twist, velocity).
     Writes: push (blockers, bounces, boxes, corners, counts, felt, items, margin, motions, n_reports, order, pairs,
         reports, sequence, spans), state (discs, pose, segments, twist, velocity).
     """
@@ -83,15 +83,31 @@ def sweep_once(w: int, slot: int, push: Pushing, matter: Matter, cells: Cells, m
         one, other = matter.substance[pair.a], matter.substance[pair.b]
         pair.touches = False
         if one.passive and other.passive and one.inverse > 0.0 and other.inverse > 0.0:
-            found = deepest(w, slot, pair.a, pair.b, push, matter, cells)
+            found = overlap_of(w, slot, k, push, matter, cells)
             pair.touches, pair.tx, pair.ty = found[0] > -np.inf, found[1], found[2]
     has_moved = False
     for k in range(n_pairs):
         p = push.sequence[slot, k]
-        found = deepest(w, slot, pairs[p].a, pairs[p].b, push, matter, cells)
+        found = overlap_of(w, slot, p, push, matter, cells)
         if found[0] > -np.inf:
             has_moved = part_pair(w, slot, p, found, push, matter, state) or has_moved
     return has_moved
+
+
+@kernel
+def overlap_of(w: int, slot: int, p: int, push: Pushing, matter: Matter, cells: Cells) -> Overlap:
+    """Return the deepest overlap of a pair, which is looked for again only if one of its bodies has moved since.
+
+    Reads: push (boxes, corners, margin, motions, pairs, spans), matter (edge_rank, first_corner, first_piece,
+        n_corners, rounding).
+    Writes: push (corners, pairs, spans).
+    """
+    pair = push.pairs[slot, p]
+    moves = push.motions[slot, pair.a].moves + push.motions[slot, pair.b].moves
+    if pair.moves != moves:
+        pair.moves = moves
+        pair.depth, pair.nx, pair.ny, pair.x, pair.y = deepest(w, slot, pair.a, pair.b, push, matter, cells)
+    return pair.depth, pair.nx, pair.ny, pair.x, pair.y
 
 
 @kernel

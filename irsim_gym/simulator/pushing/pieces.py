@@ -24,7 +24,7 @@ def begin_motion(w: int, slot: int, b: int, push: Pushing, matter: Matter, pose:
     motion.cosine, motion.sine = np.cos(pose[2]), np.sin(pose[2])
     motion.cx = pose[0] + motion.cosine * centre[0] - motion.sine * centre[1]
     motion.cy = pose[1] + motion.sine * centre[0] + motion.cosine * centre[1]
-    motion.dx, motion.dy, motion.turn, motion.mark = 0.0, 0.0, 0.0, 0
+    motion.dx, motion.dy, motion.turn, motion.mark, motion.moves = 0.0, 0.0, 0.0, 0, 0
     place_pieces(w, slot, b, push, matter)
 
 
@@ -38,6 +38,7 @@ def push_body(w: int, slot: int, b: int, by: Vector, angle: float, push: Pushing
     motion = push.motions[slot, b]
     if by[0] == 0.0 and by[1] == 0.0 and angle == 0.0:
         return
+    motion.moves += 1
     motion.dx += by[0]
     motion.dy += by[1]
     if angle != 0.0:

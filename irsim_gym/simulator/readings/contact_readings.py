@@ -1,10 +1,8 @@
 """What a body weighs, and what it feels of others that it touches (``collision_mode: contact``)."""
 
-from __future__ import annotations
-
 from abc import ABC
 from dataclasses import dataclass, field
-from typing import Any
+from typing import TYPE_CHECKING, Any, NoReturn
 
 import numpy as np
 
@@ -12,6 +10,7 @@ from irsim_gym.base.arraytypes import Floats
 from irsim_gym.simulator.pushing.matter import gyration, inverse_inertia
 from irsim_gym.simulator.pushing.outcome import ground_velocity
 from irsim_gym.simulator.readings.body_readings import BodyReadings, SpecField
+from irsim_gym.simulator.readings.irsim_names import advice, missing
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,6 +32,11 @@ class ContactRecord:
     depth: float
     point: Floats
     force: float
+
+    def report(self, body: Any) -> "ContactReport":
+        """Return it as one of its bodies feels it."""
+        other, sign = (self.b, 1.0) if self.a._b == body._b else (self.a, -1.0)
+        return ContactReport(other, self.point, sign * self.normal, self.depth, self.force)
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,6 +73,12 @@ class BodyContact:
     ended: bool = False
     records: list[ContactRecord] = field(default_factory=list)
     reports: list[ContactReport] = field(default_factory=list)
+
+    if not TYPE_CHECKING:
+
+        def __getattr__(self, name: str) -> NoReturn:
+            message = missing("what a body feels", name, advice("contact"), dir(self))
+            raise AttributeError(message, name=name, obj=self)
 
     @property
     def partners(self) -> list[Any]:
@@ -122,10 +132,7 @@ class ContactReadings(BodyReadings, ABC):
         if push is None:
             return BodyContact(False, self._vector(np.zeros(2)))
         records = [one for one in self._records() if b in (one.a._b, one.b._b)]
-        sides = [(one.b, 1.0, one) if one.a._b == b else (one.a, -1.0, one) for one in records]
-        reports = [
-            ContactReport(other, one.point, sign * one.normal, one.depth, one.force) for other, sign, one in sides
-        ]
+        reports = [one.report(self) for one in records]
         x, y, contact_time, air_time, touches, changed = push.felt[w, b].item()
         began, force = (changed and touches, changed and not touches), self._vector(np.array([x, y]))
         return BodyContact(touches, force, contact_time, air_time, *began, records, reports)

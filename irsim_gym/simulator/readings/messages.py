@@ -2,15 +2,36 @@
 
 import math
 from dataclasses import dataclass, field, make_dataclass
-from typing import Any, Self
+from typing import TYPE_CHECKING, Any, NoReturn, Self
 
 import numpy as np
 
 from irsim_gym.base.arraytypes import Floats, Rays
+from irsim_gym.simulator.readings.irsim_names import advice, missing
 
 
-class Message:
+class _Kind(type):
+    """Says what to use in place of IR-SIM's ways to make a message."""
+
+    if not TYPE_CHECKING:
+
+        def __getattr__(cls, name: str) -> NoReturn:
+            message = missing(f"the message {cls.__name__}", name, advice("message"), dir(cls))
+            raise AttributeError(message, name=name, obj=cls)
+
+
+class Message(metaclass=_Kind):
     """The base class of messages, which are dataclasses."""
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the message as plain data, which JSON can hold."""
+        return {name: _plain(value) for name, value in vars(self).items()}
+
+
+def _plain(value: Any) -> Any:
+    if isinstance(value, list):
+        return [_plain(one) for one in value]
+    return value.to_dict() if isinstance(value, Message) else getattr(value, "tolist", lambda: value)()
 
 
 def _message(kind: str, /, *bases: type, **defaults: Any) -> Any:

@@ -22,7 +22,8 @@ class SensorView:
     """A sensor of one body.
 
     Its options can be read as attributes, such as ``number`` and ``range_max``, and so can all that its latest scan
-    reports: ``range_data`` [m], ``valid``, ``angle_min``, ``angle_max``, ``angle_inc`` [rad] and others.
+    reports: ``range_data`` [m], ``valid``, ``angle_min``, ``angle_max``, ``angle_inc`` [rad] and others. A contact
+    sensor has what its body feels, such as ``force``.
 
     Args:
         body: The body.
@@ -61,6 +62,8 @@ class SensorView:
                 return getattr(self.options, name)
             if self.options.reading == "ranges" and SCANNED.get(name, name) in (report := self.get_scan()):
                 return report[SCANNED.get(name, name)]
+            if self.sensor_type == "contact2d" and hasattr(self.parent.contact, name):
+                return getattr(self.parent.contact, name)
             message = missing(f"a sensor '{self.sensor_type}'", name, advice("sensor"), dir(self))
             raise AttributeError(message, name=name, obj=self)
 

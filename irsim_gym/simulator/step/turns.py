@@ -57,15 +57,11 @@ def take_turns(
     turn_of_mover, turn_of_driven = (np.searchsorted(firsts, bodies, side="right") for bodies in (movers, driven))
     decided = [_split(group, firsts) for group in behaviors]
     moved = [_split(group, firsts) for group in kinematics]
-    return [
-        Turn(
-            [parts[turn] for parts in decided if turn in parts],
-            movers[turn_of_mover == turn],
-            [parts[turn] for parts in moved if turn in parts],
-            driven[turn_of_driven == turn],
-        )
-        for turn in np.unique(turn_of_mover).tolist()
-    ]
+    turns = []
+    for turn in np.unique(turn_of_mover).tolist():
+        decides, moves = ([parts[turn] for parts in split if turn in parts] for split in (decided, moved))
+        turns.append(Turn(decides, movers[turn_of_mover == turn], moves, driven[turn_of_driven == turn]))
+    return turns
 
 
 def _split(group: Group, firsts: Ints) -> dict[int, Group]:

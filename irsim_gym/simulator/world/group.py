@@ -70,14 +70,9 @@ class Group:
         options = [self.options[k] for k in chosen]
         params = self.params[chosen]
         members = self.members[chosen]
-        return replace(
-            self,
-            options=options,
-            members=members,
-            params=params,
-            guide=None if self.guide is None else self.guide.among(members),
-            scan=None if self.scan is None else self.scan.select(chosen),
-        )
+        guide = None if self.guide is None else self.guide.among(members)
+        scan = None if self.scan is None else self.scan.select(chosen)
+        return replace(self, options=options, members=members, params=params, guide=guide, scan=scan)
 
 
 @dataclass(frozen=True)

@@ -168,9 +168,7 @@ class PlacementKind(Protocol):
     is_random: ClassVar[Annotated[bool, "True if levels differ, else False"]]
     roams: ClassVar[Annotated[bool, "True if it looks for room among what is placed already, else False"]]
     ensures_way: ClassVar[Annotated[bool, "True if each goal it draws can be reached, else False"]]
-    gives_goal: ClassVar[
-        Annotated[bool, "True if it writes model.waypoints[w, b], n_goals of them if it has that number, else False"]
-    ]
+    gives_goal: ClassVar[Annotated[bool, "True if it writes model.waypoints[w, b], or n_goals of them, else False"]]
 
     @staticmethod
     def prepare(group: Group, model: Model, n_slots: int) -> str | None:

@@ -4,20 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from irsim_gym.base.arraytypes import (
-    BUCKET_FRAME,
-    MAP_FRAME,
-    Bytes,
-    CellMaps,
-    Cells,
-    Flags,
-    Floats,
-    Ints,
-    Rays,
-    Records,
-    Spans,
-    Words,
-)
+from irsim_gym.base import arraytypes
+from irsim_gym.base.arraytypes import Bytes, CellMaps, Cells, Flags, Floats, Ints, Rays, Records, Spans, Words
 from irsim_gym.base.kernels.structs import record_type
 from irsim_gym.simulator.world.arrays import Arrays, column
 
@@ -88,15 +76,13 @@ class Model(Arrays):
     reach: Floats = column("world* body", np.float64, "m", "radius about the body's origin that holds its footprint")
     radius: Floats = column("world* body", np.float64, "m", "radius of the least circle around the footprint")
     centroid: Floats = column("world* body 2", np.float64, "m", "centre of the footprint's area, in the body frame")
-    map_frame: Records = column("1", MAP_FRAME, "m", "where the occupancy map lies; body -1: no map")
+    map_frame: Records = column("1", arraytypes.MAP_FRAME, "m", "where the occupancy map lies; body -1: no map")
     map_squares: Bytes = column("world* 4 map_column map_row", np.uint8, "", "free square by quadrant; 0: occupied")
-    map_room: Rays = column(
-        "world* map_column map_row", np.float32, "m", "distance of cells' centres from the occupied"
-    )
+    map_room: Rays = column("world* map_column map_row", np.float32, "m", "distance of cell centres from the occupied")
     map_boxes: Spans = column("world* map_box 4", np.int32, "", "what is occupied: first, end column; first, end row")
     map_n_boxes: Ints = column("world*", np.int64, "", "how many of these boxes count")
     map_disc: Floats = column("1", np.float64, "m", "radius of the disc that stands for an occupied cell; 0: all of it")
-    bucket_frame: Records = column("1", BUCKET_FRAME, "m", "where the squares of the buckets lie; columns 0: none")
+    bucket_frame: Records = column("1", arraytypes.BUCKET_FRAME, "m", "where the buckets' squares lie; columns 0: none")
     bucketed: Flags = column("body", np.bool_, "", "small enough to be found through the buckets")
     present: Flags = column("world body", np.bool_, "", "the body exists in this episode")
     level_stream: Words = column("world", np.uint64, "", "random stream that the level was drawn from, or row in file")

@@ -16,15 +16,8 @@ from irsim_gym.scenario.specs import library
 from irsim_gym.scenario.specs.spec import Scenario
 from irsim_gym.scenario.text.messages import show
 from irsim_gym.scenario.text.source import MissingFileError, Place, Source, read_file, read_mapping
+from irsim_gym.tasks.definition import checks
 from irsim_gym.tasks.definition.audit import Sharing, check_audit
-from irsim_gym.tasks.definition.checks import (
-    check_action,
-    check_fit,
-    check_prediction,
-    check_shield,
-    check_terms,
-    choose_agents,
-)
 from irsim_gym.tasks.definition.layers import Layer, merge
 
 DEFAULT = "navigation"
@@ -48,9 +41,7 @@ class TaskOptions:
     max_steps: int = option(500, ge=1, le=10**9, unit="steps", meaning="Time limit of an episode.")
     observation_form: Literal["flat", "dict"] = option("flat", meaning="One vector (flat), or several (dict).")
     ended: Literal["stay", "vanish"] = option(
-        "stay",
-        meaning="What happens to the body of an agent whose episode has ended: it stays, or is removed before the "
-        "next step.",
+        "stay", meaning="What becomes of the body of an ended agent: it stays, or is removed before the next step."
     )
     team_reward: float = option(
         0.0, ge=0.0, le=1.0, meaning="Share of the mean over all agents in each reward; the rest is the agent's own."
@@ -153,16 +144,16 @@ def load_task(
     terms = {key: _terms(family, key, data, report) for key, family in FAMILIES.items()}
     is_sound = not report.problems and not merged.outside
     if options is not None:
-        agents = choose_agents(scenario, options.agents, team, merged)
+        agents = checks.choose_agents(scenario, options.agents, team, merged)
         if agents:
-            terms["observations"] = check_fit(scenario, agents, name, terms, merged)
-            check_action(scenario, agents, action, report)
+            terms["observations"] = checks.check_fit(scenario, agents, name, terms, merged)
+            checks.check_action(scenario, agents, action, report)
             if shield is not None:
-                check_shield(scenario, agents, merged)
+                checks.check_shield(scenario, agents, merged)
             if options.predict:
-                check_prediction(scenario, agents, terms, report)
+                checks.check_prediction(scenario, agents, terms, report)
         if is_sound:
-            check_terms(terms, merged)
+            checks.check_terms(terms, merged)
             if options.audit:
                 check_audit(terms, Sharing(options.team_reward, len(agents)), merged)
     merged.refuse(_title(scenario))
@@ -170,16 +161,8 @@ def load_task(
     assert options is not None
     parts: dict[str, Any] = {key: tuple(item for _, item in items) for key, items in terms.items()}
     limit = options.max_steps if max_steps is None else max_steps
-    return Task(
-        name,
-        agents,
-        limit,
-        action,
-        **parts,
-        **{name: getattr(options, name) for name in CARRIED},
-        names_agents=bool(options.agents),
-        shield=shield,
-    )
+    parts |= {name: getattr(options, name) for name in CARRIED}
+    return Task(name, agents, limit, action, **parts, names_agents=bool(options.agents), shield=shield)
 
 
 def merged_task(

@@ -15,7 +15,6 @@ class BodiesArrived(ToTargets):
     """
 
     outcome: ClassVar[Outcome] = Outcome.SUCCESS
-    needs_goal: ClassVar[bool] = False
 
     def arrays(self, simulation: Simulation, agents: Ints) -> Targets:
         """Return the bodies."""

@@ -334,14 +334,9 @@ class Episodes:
     def _record_step(self, shard: Shard) -> None:
         world, state = self.simulation.state, self.state
         account.record_step(shard.worlds, self._agents, world, state, self._hit_kinds)
+        task, model = self.task, self.simulation.model
         account.measure_standstill(
-            shard.worlds,
-            self._agents,
-            self.simulation.model,
-            world,
-            state,
-            self.task.deadlock_speed,
-            self.task.deadlock_time,
+            shard.worlds, self._agents, model, world, state, task.deadlock_speed, task.deadlock_time
         )
         if self.task.near is not None:
             account.note_cost(shard.worlds, self.task.near, self.extra_names.index("cost"), state)
@@ -363,14 +358,6 @@ class Episodes:
         return (simulation.model, simulation.state) if sees_bodies else (simulation.known, simulation.told)
 
     def _allocate(self) -> EpisodeState:
-        return EpisodeState.allocate(
-            {
-                "world": self.n_worlds,
-                "agent": self.n_agents,
-                "action": self._size,
-                "ending": len(self._endings),
-                "reward": len(self._rewards),
-                "extra": len(self.extra_names),
-                "feature": self.n_features,
-            }
-        )
+        sizes = {"world": self.n_worlds, "agent": self.n_agents, "action": self._size, "ending": len(self._endings)}
+        sizes |= {"reward": len(self._rewards), "extra": len(self.extra_names), "feature": self.n_features}
+        return EpisodeState.allocate(sizes)

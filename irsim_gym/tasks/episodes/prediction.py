@@ -87,13 +87,9 @@ class Predictor:
         self._latencies = [group.tables for group in found if group.kind is DISTURBANCES.entry("latency").kind]
         most = whole_steps(told, dt) + sum(int(np.ceil(latency.high / dt).sum()) for latency in self._latencies)
         shape = (simulation.n_worlds, len(agents))
-        self._under_way = UnderWay(
-            agents=agents,
-            steers=np.array([steers(simulation, int(b)) for b in agents], np.int64),
-            delay=np.full(shape, told),
-            sent=np.zeros((*shape, most + 1, 3)),
-            way=np.zeros((*shape, 3)),
-        )
+        steered = np.array([steers(simulation, int(b)) for b in agents], np.int64)
+        sent, way = np.zeros((*shape, most + 1, 3)), np.zeros((*shape, 3))
+        self._under_way = UnderWay(agents=agents, steers=steered, delay=np.full(shape, told), sent=sent, way=way)
         sensors, self._beams = list(simulation.sensors), []
         for i, group in enumerate(sensors):
             own = [(a, one[1]) for a, b in enumerate(agents) if (one := simulation.scan(int(b))) and one[0] is group]

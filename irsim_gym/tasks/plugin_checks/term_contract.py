@@ -10,19 +10,17 @@ from typing import Any
 import numpy as np
 
 from irsim_gym.base.contract import Contract, check_method, has_member, refuse
-from irsim_gym.tasks.terms import HasGraph, Mirrored, Model, Outcome, TellsActions, TellsColumns, TellsWhen
-from irsim_gym.tasks.terms.mirrored import HasMirrored
+from irsim_gym.simulator.world.names import Model
+from irsim_gym.tasks.terms import HasArrays, HasGraph, IsImage, Outcome, TellsActions, TellsColumns, TellsWhen, Term
+from irsim_gym.tasks.terms.mirrored import HasMirrored, Mirrored
 from irsim_gym.tasks.terms.term import (
     ActionKind,
     EndingKind,
-    HasArrays,
     HasBounds,
     HasUnused,
-    IsImage,
     ObservationKind,
     Remembers,
     RewardKind,
-    Term,
 )
 
 

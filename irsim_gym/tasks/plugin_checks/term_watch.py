@@ -175,12 +175,8 @@ class CallCheck:
 def _arrays(state: State, episode: EpisodeState, free: set[str]) -> dict[str, tuple[NDArray[Any], NDArray[Any]]]:
     """Return the arrays that a term must not write, with copies, by how code names them."""
     holders: tuple[tuple[str, Any], ...] = ("state", state), ("episode", episode)
-    every = {
-        f"{name}.{each.name}": getattr(holder, each.name)
-        for name, holder in holders
-        for each in fields(holder)
-        if each.name not in free
-    }
+    parts = ((name, holder, each.name) for name, holder in holders for each in fields(holder))
+    every = {f"{name}.{key}": getattr(holder, key) for name, holder, key in parts if key not in free}
     arrays = {name: item for name, item in every.items() if isinstance(item, np.ndarray) and item.dtype.names is None}
     return {name: (array, array.copy()) for name, array in arrays.items()}
 

@@ -33,9 +33,7 @@ class Collision(RewardDefaults):
 
     def _amounts(self) -> tuple[float, ...]:
         """Return the penalties by HitKind."""
-        robot, obstacle, cells = (
-            self.weight if weight is None else weight for weight in (self.robot, self.obstacle, self.map)
-        )
+        robot, obstacle, cells = (self.weight if own is None else own for own in (self.robot, self.obstacle, self.map))
         return 0.0, obstacle, obstacle, robot, cells
 
     def arrays(self, simulation: Simulation, agents: Ints) -> dict[str, NDArray[Any]]:

@@ -48,11 +48,10 @@ class Targets(Struct):
 class OfBodies:
     """What kinds about bodies that can be pushed have in common."""
 
+    needs_goal: ClassVar[bool] = False
     needs_target: ClassVar[bool] = False
 
-    bodies: tuple[str, ...] = option(
-        (), meaning="Names of the bodies, or of their groups; default: all without a drive that can be pushed."
-    )
+    bodies: tuple[str, ...] = option((), meaning="Names of bodies or groups; default: all that can be pushed.")
     area: Area | None = option(
         None, unit="m", meaning="Where their origins belong: x0, y0, x1, y1; default: the goal of each."
     )
@@ -83,13 +82,9 @@ class OfBodies:
         """Return the bodies with their targets."""
         bodies, n_worlds = np.array(self.chosen(simulation.scenario), np.int64), simulation.n_worlds
         shape = (n_worlds, len(bodies))
-        return Targets(
-            bodies=bodies,
-            area=np.array(NO_AREA if self.area is None else self.area, np.float64),
-            goal=np.zeros((*shape, 2)),
-            distance=np.zeros(shape),
-            counted=np.zeros((n_worlds, n_agents, len(bodies)), np.bool_),
-        )
+        area = np.array(NO_AREA if self.area is None else self.area, np.float64)
+        counted = np.zeros((n_worlds, n_agents, len(bodies)), np.bool_)
+        return Targets(bodies=bodies, area=area, goal=np.zeros((*shape, 2)), distance=np.zeros(shape), counted=counted)
 
 
 @kind

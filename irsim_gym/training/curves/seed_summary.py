@@ -133,16 +133,11 @@ def read_seed(run: Path, tests: Mapping[str, Figures], part: str | None = None) 
             f"{run}: {len(unscored)} checkpoint(s) after {last['steps']:,} steps have no scores; the command of the "
             "training computes them"
         )
-    return {
-        "run": run.name,
-        "settings": config["settings"],
-        "machine": config["machine"],
-        **{name: last[name] for name in ("training_seconds", "cpu_seconds", "steps")},
-        "seconds_to": curve["seconds_to"],
-        "dev_success": last["success"],
-        "test": {name: _row_of(run.name, test) for name, test in tests.items()},
-        "curve": curve["points"],
-    }
+    spent = {name: last[name] for name in ("training_seconds", "cpu_seconds", "steps")}
+    about = {"run": run.name, "settings": config["settings"], "machine": config["machine"], **spent}
+    tested = {name: _row_of(run.name, test) for name, test in tests.items()}
+    reached = {"seconds_to": curve["seconds_to"], "dev_success": last["success"]}
+    return {**about, **reached, "test": tested, "curve": curve["points"]}
 
 
 def _row_of(policy: str, test: Figures) -> Figures:

@@ -95,13 +95,8 @@ def export(
 
 def _check(source: Path, name: str, target: Path, results: Sequence[Path], overwrite: bool) -> None:
     """Check the arguments of ``export``, and report all problems together."""
-    report_together(
-        lambda: check_trained(source),
-        lambda: _check_name(name),
-        lambda: _check_target(target, overwrite),
-        lambda: check_folder(target.parent),
-        *(partial(_check_results, file) for file in results),
-    )
+    asked = (lambda: check_trained(source), lambda: _check_name(name), lambda: _check_target(target, overwrite))
+    report_together(*asked, lambda: check_folder(target.parent), *(partial(_check_results, file) for file in results))
 
 
 def _check_results(file: Path) -> None:

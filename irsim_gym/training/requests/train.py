@@ -15,7 +15,7 @@ from irsim_gym.evaluation.requests.inputs import check_folder
 from irsim_gym.evaluation.requests.interruption import StopRequest, stopped_at_end, stopped_early
 from irsim_gym.evaluation.saved_policies import checkpoint_files as stored
 from irsim_gym.evaluation.saved_policies.snapshot import Snapshot, differences, listed
-from irsim_gym.sb3 import LogCallback
+from irsim_gym.sb3 import LogCallback, MirrorCallback
 from irsim_gym.training.runs import checkpoint as files
 from irsim_gym.training.runs import models
 from irsim_gym.training.runs.cloning import clone_behavior
@@ -165,7 +165,7 @@ def _learn(
                 raise StopLearningError
 
     watch = TrainingMonitor(progress, hyper.n_timesteps, hyper.checkpoint_every, save_and_show, stop, console)
-    mirrored = models.mirror_callback(settings)
+    mirrored = MirrorCallback(seed=settings.seed) if settings.hyperparameters.mirror else None
     callbacks: list[BaseCallback] = [watch, LogCallback(), *filter(None, [mirrored])]
     with stop.listening():
         try:

@@ -14,7 +14,7 @@ from irsim_gym.evaluation.saved_policies.run_folder import lasting
 from irsim_gym.evaluation.saved_policies.snapshot import listed
 from irsim_gym.scenario.reading.load import load_scenario
 from irsim_gym.scenario.specs.ids import scenario_name
-from irsim_gym.tasks import Task, load_task
+from irsim_gym.tasks import load_task
 from irsim_gym.tasks.terms.term import IsImage
 from irsim_gym.training.settings.folders import default_folder, existing_folders, free_folder, setting_differences
 from irsim_gym.training.settings.hyperparameter_files import change_hyperparameters
@@ -65,15 +65,10 @@ class TrainingRequest:
 
     def with_mixture(self, mixture: Mixture) -> Self:
         """Return a request to train a mixture. What this one states replaces what the mixture's file states."""
-        return replace(
-            self,
-            scenario=mixture.parts[0].scenario,
-            algorithm=self.algorithm or mixture.algorithm,
-            task=self.task or mixture.task,
-            hyperparameters=self.hyperparameters or mixture.hyperparameters,
-            mixture=mixture.parts,
-            mixture_name=mixture.name,
-        )
+        task, algorithm = self.task or mixture.task, self.algorithm or mixture.algorithm
+        parts: dict[str, Any] = {"mixture": mixture.parts, "mixture_name": mixture.name, "algorithm": algorithm}
+        parts |= {"task": task, "hyperparameters": self.hyperparameters or mixture.hyperparameters}
+        return replace(self, scenario=mixture.parts[0].scenario, **parts)
 
     @property
     def overrides(self) -> dict[str, Any]:
@@ -106,9 +101,7 @@ class TrainingRequest:
         ]
         mixed_up = perception_differences({part.scenario: part.perception() for part in settings})
         if mixed_up:
-            raise IrsimGymError(
-                f"one policy needs one perception, but {listed(mixed_up)}; --task lets all observe alike"
-            )
+            raise IrsimGymError(f"one policy needs one perception, but {listed(mixed_up)}; --task lets all see alike")
         pairs = zip(self.mixture, settings, strict=True)
         mixed = tuple(MixturePart(one.scenario, one.parameters, part.share) for part, one in pairs)
         return replace(settings[0], mixture=mixed)
@@ -121,12 +114,8 @@ class TrainingRequest:
         learned = load_task(loaded, self.task)
         chosen.check_action(learned.action, ACTIONS.name_of(type(learned.action)))
         names = algorithm, environment_id(self.scenario)
-        chosen_file: dict[str, Any] = {
-            "task": self.task_name,
-            "images": _observes_images(learned),
-            "file": self.hyperparameters,
-            "changes": self.changes,
-        }
+        chosen_file: dict[str, Any] = {"task": self.task_name, "file": self.hyperparameters, "changes": self.changes}
+        chosen_file["images"] = any(isinstance(term, IsImage) for term in learned.observations)
         hyperparameters = load_hyperparameters(*names, **chosen_file, overrides=self.overrides)
         task = None if self.task is None else lasting(self.task)
         settings = Settings(named, algorithm, self.seed, task, hyperparameters, loaded.parameters, self.strict)
@@ -213,8 +202,3 @@ class TrainingRequest:
         except IrsimGymError:
             return False
         return True
-
-
-def _observes_images(task: Task) -> bool:
-    """Return whether a task's observations contain images."""
-    return any(isinstance(term, IsImage) for term in task.observations)

@@ -59,13 +59,8 @@ def make_worlds(settings: Settings, n_envs: int, max_steps: int | None = None) -
         return sb3.MixtureVecEnv({name: make_worlds(part, count, max_steps) for name, part, count in parts})
     mode = settings.hyperparameters.team
     seed = settings.first_level
-    options: dict[str, Any] = {
-        "task": settings.task,
-        "max_steps": max_steps,
-        "render_mode": None,
-        "strict": settings.strict,
-        **settings.parameters,
-    }
+    options: dict[str, Any] = {"task": settings.task, "max_steps": max_steps, "render_mode": None}
+    options |= {"strict": settings.strict, **settings.parameters}
     if mode is None:
         return sb3.make_vec_env(settings.scenario, n_envs, seed, **options)
     return sb3.make_multi_agent_vec_env(settings.scenario, n_envs, seed, respawn=mode == "respawn", **options)

@@ -69,15 +69,10 @@ def inherit_settings(settings: Settings, file: Path, policy: SavedPolicy) -> Set
     policy_arguments = dict(hyper.arguments.get("policy_kwargs") or {})
     rest = {name: value for name, value in policy_arguments.items() if name not in SHAPES}
     networks = {**rest, **_plain_networks(file, _model(policy).policy_kwargs or {})}
-    return replace(
-        settings,
-        origin={"policy": str(file.resolve()), "sha256": hashlib.sha256(file.read_bytes()).hexdigest()},
-        hyperparameters=replace(
-            hyper,
-            arguments={**hyper.arguments, "policy_kwargs": networks},
-            normalize=_normalization(policy.normalization, hyper.normalize),
-        ),
-    )
+    origin = {"policy": str(file.resolve()), "sha256": hashlib.sha256(file.read_bytes()).hexdigest()}
+    normalize = _normalization(policy.normalization, hyper.normalize)
+    hyper = replace(hyper, arguments={**hyper.arguments, "policy_kwargs": networks}, normalize=normalize)
+    return replace(settings, origin=origin, hyperparameters=hyper)
 
 
 def _plain_networks(file: Path, networks: Mapping[str, object]) -> dict[str, Any]:

@@ -19,7 +19,6 @@ from irsim_gym.base.outside_files import reading
 from irsim_gym.envs.sb3_learning.mirror import checked_mirror
 from irsim_gym.evaluation.saved_policies import checkpoint_files as stored
 from irsim_gym.evaluation.saved_policies.algorithms import find_algorithm
-from irsim_gym.sb3 import MirrorCallback
 from irsim_gym.training.runs import checkpoint as files
 from irsim_gym.training.runs.environment import build_environment, restore_worlds
 from irsim_gym.training.settings.run import Run, Settings
@@ -133,11 +132,6 @@ def check_finite(run: Run, settings: Settings, model: BaseAlgorithm) -> None:
         f"the training has diverged after {model.num_timesteps:,} steps, its networks are not finite: take a smaller "
         f"learning_rate (it was {rate}) or max_grad_norm; {advice}"
     )
-
-
-def mirror_callback(settings: Settings) -> MirrorCallback | None:
-    """Return the callback that mirrors half of the rows of a run; None if it does not."""
-    return MirrorCallback(seed=settings.seed) if settings.hyperparameters.mirror else None
 
 
 def restored_model(settings: Settings, newest: Path) -> tuple[BaseAlgorithm, stored.RunProgress]:

@@ -1,7 +1,5 @@
 """Monitoring of a training: clock, progress bar, log, checkpoints, and a clean stop."""
 
-from __future__ import annotations
-
 import time
 from collections.abc import Callable
 
@@ -65,14 +63,9 @@ class TrainingBar:
     def __init__(self, progress: RunProgress, total: int, console: Console) -> None:
         self._total, self._console = total, console
         self._begun = (progress.steps, progress.training_seconds)
-        self._bar = Progress(
-            TextColumn("{task.fields[steps]} steps"),
-            BarColumn(),
-            TextColumn("{task.fields[speed]} steps/s  success {task.fields[success]}"),
-            TimeRemainingColumn(),
-            console=console,
-            disable=not console.is_terminal,
-        )
+        rates = TextColumn("{task.fields[speed]} steps/s  success {task.fields[success]}")
+        parts = (TextColumn("{task.fields[steps]} steps"), BarColumn(), rates, TimeRemainingColumn())
+        self._bar = Progress(*parts, console=console, disable=not console.is_terminal)
         self._line = self._bar.add_task(
             "training", total=total, completed=progress.steps, steps="0", speed="-", success="-"
         )
@@ -93,13 +86,8 @@ class TrainingBar:
         """
         seconds = progress.training_seconds - self._begun[1]
         speed = (progress.steps - self._begun[0]) / seconds if seconds > 0.0 else 0.0
-        self._bar.update(
-            self._line,
-            completed=progress.steps,
-            steps=f"{progress.steps:,}",
-            speed=f"{speed:,.0f}",
-            success="-" if success is None else f"{success:.0%}",
-        )
+        won, done = "-" if success is None else f"{success:.0%}", f"{progress.steps:,}"
+        self._bar.update(self._line, completed=progress.steps, steps=done, speed=f"{speed:,.0f}", success=won)
 
     def print_line(self, progress: RunProgress, success: float | None) -> None:
         """Print a line with the progress and the recent success, if the console is not a terminal."""

@@ -23,7 +23,7 @@ from irsim_gym.evaluation.requests.inputs import check_folder
 from irsim_gym.evaluation.requests.interruption import TrainingInterruptedError, ctrl_c_as_error
 from irsim_gym.evaluation.saved_policies.checkpoint_files import list_checkpoints, remove_state
 from irsim_gym.evaluation.saved_policies.snapshot import listed
-from irsim_gym.training.curves.score import Point, score_run
+from irsim_gym.training.curves.score import score_run
 from irsim_gym.training.requests.request_checks import check_request
 from irsim_gym.training.requests.train import train
 from irsim_gym.training.requests.training_request import TrainingRequest
@@ -271,7 +271,7 @@ def _run_trial(tuning: Tuning, trial: Any, console: Console, quiet: bool) -> tup
 
     def report(run: Run, *, to_study: bool = True) -> None:
         """Note new scores, tell the study, and stop the trial if the study prunes it."""
-        for point in _score(tuning, run):
+        for point in score_run(run, levels=tuning.dev_levels, console=Console(quiet=True), picture=False):
             checkpoint = int(point["steps"]) // settings.hyperparameters.checkpoint_every
             if to_study and checkpoint and checkpoint not in scores:
                 trial.report(point["success"], checkpoint)
@@ -294,7 +294,3 @@ def _run_trial(tuning: Tuning, trial: Any, console: Console, quiet: bool) -> tup
     except (IrsimGymError, ValueError, RuntimeError) as error:
         return f"{ending}: {str(error) or type(error).__name__}", scores
     return results.FINISHED, scores
-
-
-def _score(tuning: Tuning, run: Run) -> list[Point]:
-    return score_run(run, levels=tuning.dev_levels, console=Console(quiet=True), picture=False)

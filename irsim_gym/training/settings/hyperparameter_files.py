@@ -3,7 +3,7 @@
 import functools
 import inspect
 import re
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -269,7 +269,8 @@ def _policy(value: object, algorithm: Algorithm, place: Place, report: Report) -
         if key.endswith("_class"):
             report.add(where, declared.NOT_IN_FILES)
         elif names and key not in names:
-            report.add(where, f"unknown argument of the policy{suggestion(key, names) or f'; known: {_few(names)}'}")
+            known = ", ".join(sorted(names)[:MAX_NAMES])
+            report.add(where, f"unknown argument of the policy{suggestion(key, names) or f'; known: {known}'}")
         elif key == "net_arch":
             _check_layers(entry, where, report)
         elif key == "activation_fn":
@@ -284,10 +285,6 @@ def _policy(value: object, algorithm: Algorithm, place: Place, report: Report) -
     return values
 
 
-def _few(names: Iterable[str]) -> str:
-    return ", ".join(sorted(names)[:MAX_NAMES])
-
-
 @functools.cache
 def _policy_arguments(algorithm: Algorithm) -> tuple[str, ...]:
     """Return the arguments of an algorithm's policies; none if the algorithm is not installed."""
@@ -296,11 +293,8 @@ def _policy_arguments(algorithm: Algorithm) -> tuple[str, ...]:
     except IrsimGymError:  # its package is missing
         return ()
     names = dict.fromkeys(name for policy in policies for name in _arguments_of(policy))
-    return tuple(
-        name
-        for name in names
-        if name not in ("observation_space", "action_space", "lr_schedule") and not name.endswith("_class")
-    )
+    apart = ("observation_space", "action_space", "lr_schedule")
+    return tuple(name for name in names if name not in apart and not name.endswith("_class"))
 
 
 def _arguments_of(kind: type[Any]) -> Iterator[str]:
@@ -326,9 +320,7 @@ def _check_layers(value: object, place: Place, report: Report) -> None:
         where = (*place, key) if key else place
         if key not in ("", "pi", "vf", "qf"):
             report.add(where, f"must be pi, vf or qf{suggestion(key, ('pi', 'vf', 'qf'))}")
-        is_list = isinstance(layers, list) and all(
-            isinstance(size, int) and not isinstance(size, bool) and size >= 1 for size in layers
-        )
+        is_list = isinstance(layers, list) and all(type(size) is int and size >= 1 for size in layers)
         if not is_list:
             report.add(where, f"must be a list of widths of layers such as [64, 64], got {show(layers)}")
 

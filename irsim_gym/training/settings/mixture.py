@@ -39,9 +39,7 @@ class MixturePart:
     def label(self) -> str:
         """Name of the scenario with its share and its parameters, for the name of a folder."""
         share = [] if self.share == 1.0 else [f"{SHARE}={self.share:g}"]
-        return "-".join(
-            [Path(self.scenario).stem, *share, *(f"{key}={value}" for key, value in self.parameters.items())]
-        )
+        return "-".join([Path(self.scenario).stem, *share, *(f"{key}={at}" for key, at in self.parameters.items())])
 
     def to_plain(self) -> dict[str, Any]:
         """Return the part as plain data."""
@@ -178,9 +176,7 @@ def read_mixture(file: Path) -> Mixture:
     """
     report = Report.of_file(file)
     file_part, listed = build(_MixtureFile, report.mapping, (), report), report.mapping.get(MIXTURE)
-    parts = [
-        _part(item, (MIXTURE, k), file, report) for k, item in enumerate(listed if isinstance(listed, list) else ())
-    ]
+    parts = [_part(one, (MIXTURE, k), file, report) for k, one in enumerate(listed if isinstance(listed, list) else ())]
     for key, check in (("task", partial(find, section="tasks")), ("algorithm", find_algorithm)):
         try:
             check(getattr(file_part, key)) if getattr(file_part, key, None) is not None else None

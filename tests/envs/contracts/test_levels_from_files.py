@@ -67,7 +67,7 @@ def evaluated(data: dict[str, Any]) -> Played:
 FACES = [
     ("cluttered_room", "test", single), ("cluttered_room", "test", vector), ("cluttered_room", "test", sb3),
     ("cluttered_room", "test", evaluated), ("cluttered_room", "train", live),
-    ("circle_swap", "test", parallel),
+    ("circle_swap", "test", parallel), ("push_box", "test", single),
 ]  # fmt: skip
 
 
@@ -76,7 +76,7 @@ def plain(name: str) -> dict[str, Any]:
     return {key: value for key, value in ig.load_scenario(name).source.data.items() if key != "parameters"}
 
 
-@pytest.mark.parametrize(("name", "split", "face"), FACES, ids=[face.__name__ for *_, face in FACES])
+@pytest.mark.parametrize(("name", "split", "face"), FACES, ids=[f"{face.__name__} {name}" for name, _, face in FACES])
 def test_levels_from_a_file_are_the_drawn_ones(
     tmp_path: Path, name: str, split: str, face: Callable[[dict[str, Any]], Played]
 ) -> None:

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from contract_tools import arrays_in, assert_same
 from team_scenes import TEAMS, crossing, mixed, towards
+from yard import team_yard
 
 import irsim_gym
 from irsim_gym.envs.gymnasium.worlds import Worlds
@@ -140,10 +141,10 @@ def test_copies_go_on_identically(how):
     assert env.observation_space("robot_0") is not copy.observation_space("robot_0")
 
 
-SCENES = [*(crossing(**task) for task in FORMS), mixed()]
+SCENES = [*(crossing(**task) for task in FORMS), mixed(), team_yard()]
 
 
-@pytest.mark.parametrize("scene", SCENES, ids=["flat", "dict", "discrete", "drives"])
+@pytest.mark.parametrize("scene", SCENES, ids=["flat", "dict", "discrete", "drives", "pushing"])
 def test_equals_a_batch_of_one_and_a_slice_of_many(scene):
     """World ``w`` of a batch is the environment that is reset with ``seed + w``, bit for bit, on any number of threads.
 

@@ -175,7 +175,7 @@ def test_the_files_of_an_arena(tmp_path: Path) -> None:
         ),
         ([], "an arena needs policies\n"),
         (["dash", "--split", "tset"], "no split named 'tset'"),
-        (["dash", "--out", "full"], "full holds results: choose another folder with --out"),
+        (["dash", "--out", "full"], "full holds results: choose another with --out"),
     ],
 )
 def test_bad_calls(

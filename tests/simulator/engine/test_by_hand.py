@@ -64,7 +64,7 @@ def test_commands_that_nobody_takes_or_of_a_wrong_shape_are_errors() -> None:
 
 def test_what_is_no_scenario_no_agent_or_no_level_is_told() -> None:
     scenario = ig.load_scenario({"robot": [DASH]})
-    with pytest.raises(TypeError, match=r"a loaded scenario, got str: compile\(load_scenario\('corridor'\)\)"):
+    with pytest.raises(TypeError, match=r"takes a scenario, got str: compile\(load_scenario\('corridor'\)\)"):
         ig.compile("corridor")  # type: ignore[arg-type]
     for wrong in ([1], [-1], ["robot_0"], [0.5], 0):
         with pytest.raises(ValueError, match=r"agents= takes indices of bodies, e\.g\. \[0\]; there are 0 'robot_0'"):

@@ -8,11 +8,11 @@ from irsim_gym.base.arraytypes import Floats, Ints, Pose, Record, Records
 from irsim_gym.base.kernels import kernel
 from irsim_gym.base.kernels.structs import record_type
 
-MOST_NODES = 1 << 19
+MOST_NODES = 1 << 18
 """Maximum number of poses that a search may find."""
-MOST_CLOSED = 1 << 17
+MOST_CLOSED = 1 << 16
 """Maximum number of cells that a search may close."""
-PLACES = 262_139
+PLACES = 131_071
 """Places of the table of cells that are done: a prime, twice as many as are ever taken."""
 SCATTER = 7919
 """Distance between the entries of neighbouring cells."""

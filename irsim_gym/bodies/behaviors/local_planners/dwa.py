@@ -47,11 +47,7 @@ class Dwa(RenewsGoals):
         consequence="Shorter than what it can drive in the time that it looks ahead: it drives slower.",
     )
     forward_point: float = option(
-        0.3,
-        ge=0.0,
-        unit="m",
-        meaning="For diff and acker, ways are measured at a point this far ahead of the body, or less near the goal, "
-        "so that turns count.",
+        0.3, ge=0.0, unit="m", meaning="For diff and acker, ways count at a point this far ahead, so that turns matter."
     )
     footprint_padding: float = option(
         0.02, ge=0.0, unit="m", meaning="Added to the footprint. A body nearer already may move if it gets no nearer."

@@ -33,16 +33,8 @@ class Pursuit(RenewsGoals):
     known: Literal["all", "seen"] = option(
         "all", meaning="What it knows: all that stands, or what its scans have shown, the rest taken as free."
     )
-    clearance: float = option(
-        0.1, ge=0.0, unit="m", meaning="Distance of the way from obstacles; half, a quarter or none where none has it."
-    )
-    cell: float | None = option(
-        None,
-        gt=0.0,
-        unit="m",
-        meaning="Cell size of the grid on which ways are found; default: half the radius of the body.",
-        consequence="Large: ways through narrow gaps are missed.",
-    )
+    clearance: float = option(0.1, ge=0.0, unit="m", meaning="Distance of ways from obstacles; less where none has it.")
+    cell: float | None = option(None, gt=0.0, unit="m", meaning="Cell size; default: half the radius.")
     speed: float | None = option(None, gt=0.0, unit="m/s", meaning="Maximum speed; by default the drive's.")
     lookahead_time: float = option(0.6, ge=0.0, unit="s", meaning="It aims at a point this much driving ahead.")
     lookahead_min: float = option(0.3, gt=0.0, unit="m", meaning="Minimum distance of that point.")

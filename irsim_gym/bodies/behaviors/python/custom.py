@@ -176,7 +176,5 @@ def _one_each(group: Group, members: Sequence[EgoView], answers: Any) -> Sequenc
     count = len(answers) if isinstance(answers, Sequence | np.ndarray) else -1
     if count != len(members):
         found = "no list" if count < 0 else f"{count} commands"
-        raise BehaviorError(
-            f"{group.kind.called} must return a list of {len(members)} commands, one for each member, got {found}"
-        )
+        raise BehaviorError(f"{group.kind.called} must return {len(members)} commands, one per member, got {found}")
     return list(answers)

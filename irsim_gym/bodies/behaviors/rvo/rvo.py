@@ -87,14 +87,9 @@ def free_velocity(options: Rvo, ego: Ego, preferred: Vector, rounds: Records, si
 
 def reserve_tables(seen: Surroundings, n_cones: int, n_samples: int) -> RvoTables:
     """Return scratch memory for bodies that see so much, with so many samples along each axis."""
-    return RvoTables(
-        seen=seen,
-        cones=np.zeros(n_cones, velocity_obstacles.CONE),
-        spans=np.zeros(n_cones, SPAN),
-        rows=np.zeros(1, ROWS),
-        samples=np.zeros((2, n_samples)),
-        order=np.zeros((2, n_samples), np.int64),
-    )
+    cones, spans = np.zeros(n_cones, velocity_obstacles.CONE), np.zeros(n_cones, SPAN)
+    samples, order = np.zeros((2, n_samples)), np.zeros((2, n_samples), np.int64)
+    return RvoTables(seen=seen, cones=cones, spans=spans, rows=np.zeros(1, ROWS), samples=samples, order=order)
 
 
 @kernel

@@ -4,19 +4,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from irsim_gym.base.arraytypes import Flags, Floats, Vector
 from irsim_gym.simulator.geometry.angles import wrap_below
-from irsim_gym.simulator.world.names import (
-    DIFFERENTIAL,
-    OMNI_ANGULAR,
-    OMNI_BODY,
-    OMNI_WORLD,
-    Group,
-    Model,
-    State,
-    kernel,
-    row_of,
-)
+from irsim_gym.simulator.world.model import DIFFERENTIAL, OMNI_ANGULAR, OMNI_BODY, OMNI_WORLD
+from irsim_gym.simulator.world.names import Flags, Floats, Group, Model, State, Vector, kernel, row_of
 
 ARRIVED = 0.1
 """Nearer to the goal than this [m] no velocity is wanted."""

@@ -55,7 +55,6 @@ class MovableBodies(OfBodies):
     the direction in the agent's frame and both distances, and 1 if it lies there; zeros without a target.
     """
 
-    needs_goal: ClassVar[bool] = False
     needs: ClassVar[Needs] = ("bodies",)
 
     count: int = option(3, ge=1, le=64, meaning="Number of bodies observed.")

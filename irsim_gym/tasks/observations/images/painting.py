@@ -125,14 +125,8 @@ def image_row(view: View, x: float, y: float) -> float:
 def add_side(canvas: Canvas, a: Point, b: Point) -> None:
     """Add a side of an area from a to b [m] to a sheet; the area is to its left."""
     sheet, box, view = canvas
-    add_edge(
-        sheet,
-        box,
-        image_column(view, b[0], b[1]),
-        image_row(view, b[0], b[1]),
-        image_column(view, a[0], a[1]),
-        image_row(view, a[0], a[1]),
-    )
+    x, y = image_column(view, b[0], b[1]), image_row(view, b[0], b[1])
+    add_edge(sheet, box, x, y, image_column(view, a[0], a[1]), image_row(view, a[0], a[1]))
 
 
 @kernel
@@ -213,11 +207,8 @@ def add_cells(canvas: Canvas, cells: Cells, w: int) -> None:
         view, box = canvas.camera, canvas.box
         world_map = map_of(cells, w)
         x, y, width, height, boxes = world_map.x, world_map.y, world_map.width, world_map.height, world_map.boxes
-        seen = (
-            CORNER
-            * (max(view.middle_x, box[2] - view.middle_x, view.middle_y, box[3] - view.middle_y) + LINE)
-            / view.scale
-        )
+        farthest = max(view.middle_x, box[2] - view.middle_x, view.middle_y, box[3] - view.middle_y)
+        seen = CORNER * (farthest + LINE) / view.scale
         for k in range(world_map.n_boxes):
             left, right = x + width * boxes[k, 0], x + width * boxes[k, 1]
             low, high = y + height * boxes[k, 2], y + height * boxes[k, 3]

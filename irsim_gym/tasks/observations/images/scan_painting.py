@@ -1,7 +1,7 @@
 """Paints a scan as an image: what the latest beams of a range sensor show around an agent."""
 
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -56,15 +56,11 @@ def beams_of(simulation: Simulation, agents: Ints, name: str) -> ScanBeams:
     # Half of the angle between neighbouring beams; a single beam is as wide as WIDEST lets it be.
     half = 0.5 * (angles[-1] - angles[0]) / (len(angles) - 1) if len(angles) > 1 else np.inf
     turned = np.array([angles + mount.offset[2] for mount in mounts])
-    return ScanBeams(
-        ranges=group.arrays["ranges"],
-        members=members,
-        mount=np.array([mount.offset[:2] for mount in mounts], np.float64),
-        directions=np.stack([np.cos(turned), np.sin(turned)], axis=-1),
-        spread=float(np.tan(min(half, WIDEST))),
-        do_touch=bool(half <= WIDEST),
-        far=np.array([mount.range_max for mount in mounts], np.float32),
-    )
+    at = np.array([mount.offset[:2] for mount in mounts], np.float64)
+    far = np.array([mount.range_max for mount in mounts], np.float32)
+    ways = np.stack([np.cos(turned), np.sin(turned)], axis=-1)
+    wide: dict[str, Any] = {"spread": float(np.tan(min(half, WIDEST))), "do_touch": bool(half <= WIDEST)}
+    return ScanBeams(ranges=group.arrays["ranges"], members=members, mount=at, directions=ways, far=far, **wide)
 
 
 @kernel

@@ -12,15 +12,8 @@ from irsim_gym.tasks.observations.images.occupancy_image import paint_goal, view
 from irsim_gym.tasks.observations.images.painting import Paints, SquareImage
 from irsim_gym.tasks.observations.images.scan_painting import UNKNOWN as NOT_SEEN
 from irsim_gym.tasks.observations.scan.ranges import WITHOUT_SENSOR
-from irsim_gym.tasks.observations.seen_map.seen_grid import (
-    CELL,
-    EVERY,
-    SeenGrid,
-    cell_number,
-    forget_seen,
-    note_all,
-    shared_map,
-)
+from irsim_gym.tasks.observations.seen_map import seen_grid
+from irsim_gym.tasks.observations.seen_map.seen_grid import SeenGrid, cell_number, forget_seen, note_all, shared_map
 from irsim_gym.tasks.terms import Bound, Columns, EpisodeState, Needs, Simulation, Term
 
 SHADES = np.array([NOT_SEEN, *[255] * int(OCCUPIED), 0, *[255] * int(OCCUPIED)], np.uint8)
@@ -55,8 +48,8 @@ class SeenMapImage(SquareImage):
 
     needs: ClassVar[Needs] = ("scan", "odometry", "grid")
 
-    cell: float | None = CELL
-    every: int = EVERY
+    cell: float | None = seen_grid.CELL
+    every: int = seen_grid.EVERY
     without_sensor: str | tuple[str, ...] = WITHOUT_SENSOR
 
     @property

@@ -94,14 +94,8 @@ def write_velocity(
         for a in range(agents.shape[0]):
             b = agents[a]
             if model.drive[b] == OMNI_WORLD:
-                write_turned(
-                    state.pose[w, b, 2],
-                    state.velocity[w, b],
-                    slowest[b],
-                    fastest[b],
-                    state.stopped[w, b],
-                    episode.observation[w, a, column:],
-                )
+                heading, row = state.pose[w, b, 2], episode.observation[w, a, column:]
+                write_turned(heading, state.velocity[w, b], slowest[b], fastest[b], state.stopped[w, b], row)
                 continue
             for c in range(size):
                 low, high = slowest[b, c], fastest[b, c]

@@ -6,15 +6,8 @@ from typing import Any, ClassVar
 import numpy as np
 
 from irsim_gym.simulator.world.names import Ints, Model, Rays, Shard, State, Struct, kernel, kind, option
-from irsim_gym.tasks.observations.scan.ranges import (
-    FAR_OFF,
-    WITHOUT_SENSOR,
-    EncodesDepths,
-    code_problems,
-    encode,
-    range_code,
-    shared_sensors,
-)
+from irsim_gym.tasks.observations.scan import ranges as readings
+from irsim_gym.tasks.observations.scan.ranges import FAR_OFF, EncodesDepths, encode, range_code
 from irsim_gym.tasks.terms import Bound, Columns, EpisodeState, Needs, RobotValues, Simulation, Term, Value, coded
 from irsim_gym.tasks.terms.mirrored import Mirrored, directions_exchanged
 
@@ -56,7 +49,7 @@ class ObservesTravel(EncodesDepths):
     horizon: float = option(3.0, gt=0.0, unit="m", meaning="Maximum distance; farther obstacles are ignored.")
     margin: float = option(0.0, ge=0.0, unit="m", meaning="Added to the radius of the disc around the agent.")
 
-    problems = code_problems
+    problems = readings.code_problems
 
     def mirrored(self, term: Term) -> Mirrored:
         """Return the directions from right to left."""
@@ -73,11 +66,11 @@ class FreeTravel(ObservesTravel):
 
     needs: ClassVar[Needs] = ("scan",)
 
-    without_sensor: str | tuple[str, ...] = WITHOUT_SENSOR
+    without_sensor: str | tuple[str, ...] = readings.WITHOUT_SENSOR
 
     def arrays(self, simulation: Simulation, agents: Ints) -> Ways:
         """Return live ranges, each agent's row in them, the beams in the body frame, the directions and the radii."""
-        group, members = shared_sensors(simulation, agents, "free_travel")
+        group, members = readings.shared_sensors(simulation, agents, "free_travel")
         table, mounts = group.arrays, [group.options[k] for k in members]
         turned = np.array([table["angles"] + mount.offset[2] for mount in mounts])
         ahead_x, ahead_y = directions(self.directions)

@@ -7,15 +7,8 @@ import numpy as np
 
 from irsim_gym.simulator.geometry.angles import TURN, nearly_arctan2
 from irsim_gym.simulator.world.names import Floats, Ints, Model, Rays, Shard, State, Struct, kernel, kind, option
-from irsim_gym.tasks.observations.scan.ranges import (
-    FAR_OFF,
-    WITHOUT_SENSOR,
-    EncodesDepths,
-    code_problems,
-    encode,
-    range_code,
-    shared_sensors,
-)
+from irsim_gym.tasks.observations.scan import ranges as readings
+from irsim_gym.tasks.observations.scan.ranges import FAR_OFF, EncodesDepths, encode, range_code
 from irsim_gym.tasks.terms import Bound, EpisodeState, Mirrored, Needs, Simulation, Term
 from irsim_gym.tasks.terms.graph import RobotValues, Value, rotation, sector_minima
 from irsim_gym.tasks.terms.mirrored import sectors_exchanged
@@ -67,18 +60,18 @@ class PastScans(EncodesDepths):
 
     ago: tuple[int, ...] = option((3, 6), unit="steps", meaning="Ages of the scans.")
     sectors: int = option(36, ge=1, le=1024, meaning="Number of sectors; the first begins straight behind.")
-    without_sensor: str | tuple[str, ...] = WITHOUT_SENSOR
+    without_sensor: str | tuple[str, ...] = readings.WITHOUT_SENSOR
 
     def problems(self) -> list[tuple[str, str]]:
         """Return key and message of conflicting options."""
-        problems = code_problems(self)
+        problems = readings.code_problems(self)
         if not self.ago or not all(1 <= steps <= LONGEST for steps in self.ago):
             problems.append(("ago", f"must be whole numbers from 1 to {LONGEST}, got {list(self.ago)}"))
         return problems
 
     def arrays(self, simulation: Simulation, agents: Ints) -> Memory:
         """Return the memory."""
-        group, members = shared_sensors(simulation, agents, "past_scans")
+        group, members = readings.shared_sensors(simulation, agents, "past_scans")
         table, mounts = group.arrays, [group.options[k] for k in members]
         turned = np.array([table["angles"] + mount.offset[2] for mount in mounts])
         shape = (simulation.n_worlds, len(agents), max(self.ago, default=0) + 1)

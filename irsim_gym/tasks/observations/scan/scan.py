@@ -6,16 +6,8 @@ from typing import ClassVar
 import numpy as np
 
 from irsim_gym.simulator.world.names import Floats, Ints, Model, Rays, Shard, State, Struct, Words, kernel, kind, option
-from irsim_gym.tasks.observations.scan.ranges import (
-    WITHOUT_SENSOR,
-    EncodesDepths,
-    RangeCode,
-    code_problems,
-    encode,
-    encoded,
-    range_code,
-    shared_sensors,
-)
+from irsim_gym.tasks.observations.scan import ranges as readings
+from irsim_gym.tasks.observations.scan.ranges import EncodesDepths, RangeCode, encode, encoded, range_code
 from irsim_gym.tasks.terms import Bound, Columns, EpisodeState, Needs, RobotValues, Simulation, Term, Value, coded
 from irsim_gym.tasks.terms.mirrored import Mirrored, sectors_exchanged
 
@@ -56,13 +48,13 @@ class Scan(EncodesDepths):
     needs: ClassVar[Needs] = ("scan",)
 
     sectors: int = option(36, ge=1, meaning="Number of sectors; at most the number of beams.")
-    without_sensor: str | tuple[str, ...] = WITHOUT_SENSOR
+    without_sensor: str | tuple[str, ...] = readings.WITHOUT_SENSOR
 
-    problems = code_problems
+    problems = readings.code_problems
 
     def arrays(self, simulation: Simulation, agents: Ints) -> Sectors:
         """Return the live ranges with each agent's row, the sectors' beams and the agents' own extents."""
-        group, members = shared_sensors(simulation, agents, "scan")
+        group, members = readings.shared_sensors(simulation, agents, "scan")
         table = group.arrays
         first, last = sector_beams(table["angles"], self.sectors)
         return Sectors(

@@ -19,7 +19,6 @@ class BodyArrival(ToTargets):
 
     role: ClassVar[Role] = "bonus"
     outcome: ClassVar[Outcome] = Outcome.SUCCESS
-    needs_goal: ClassVar[bool] = False
     needs_ending: ClassVar[bool] = False
 
     weight: float = option(1.0, ge=0.0, meaning="Bonus for each body.")

@@ -21,7 +21,6 @@ class BodyProgress(ToTargets):
 
     role: ClassVar[Role] = "potential"
     outcome: ClassVar[Outcome] = Outcome.RUNNING
-    needs_goal: ClassVar[bool] = False
     needs_ending: ClassVar[bool] = False
 
     weight: float = option(4.0, ge=0.0, meaning="Reward for progress of one diagonal of the world.")
