@@ -48,6 +48,8 @@ EVERYTHING: dict[str, Any] = {
         {"name": "neighbors", "count": 2},
         {"name": "exact_free_travel", "directions": 24},
         {"name": "time_to_collision", "directions": 24},
+        {"name": "tracks", "count": 2},
+        {"name": "time_to_tracks", "directions": 24},
         "goal_record",
         "has_arrived",
         "route",

@@ -54,6 +54,8 @@ ROUGH |= {"way_on_seen_map", "yielding_way"}
 """Observations with cells or pixels, at whose edges a rounding may decide."""
 WAYS = {"route", "way_on_seen_map", "yielding_way"}
 """Observations of a way along cells; of two equal ones, the search takes one."""
+TRACKED = {"tracks", "time_to_tracks"}
+"""Observations that match bodies with clusters in turns; where two bodies claim one, it matters who comes first."""
 PUSHED = {"movable_bodies", "contact"}
 """Observations of bodies that push each other."""
 OPTIONS: list[Any] = [
@@ -137,6 +139,8 @@ def both(scene: dict[str, Any], *observations: Any, steps: int = 50, **task: Any
 def test_a_mirrored_observation_is_that_of_the_mirrored_world(name: str, drive: str) -> None:
     if name in PUSHED:  # until several bodies touch: who is parted first depends on y, as in IR-SIM
         check_mirror(pushing_scene(drive), name, steps=25)
+    elif name in TRACKED:  # until two bodies claim a cluster
+        check_mirror(scene_of(drive), name, steps=19)
     else:
         check_mirror(scene_of(drive), name)
 

@@ -352,18 +352,18 @@ def test_a_study_on_disk(monkeypatch: pytest.MonkeyPatch, capsys: pytest.Capture
 def test_an_interrupted_study_ends_as_an_uninterrupted_one(monkeypatch: pytest.MonkeyPatch) -> None:
     """Ctrl-C comes in the midst of the second trial, after its second checkpoint."""
     study("whole", 3)
-    real, calls = tuning._score, []
+    real, calls = tuning.score_run, []
 
-    def interrupted(one: Any, run: Run) -> Any:
+    def interrupted(run: Run, **options: Any) -> Any:
         calls.append(run.folder.name)
         if calls.count("0001") == 2:
             signal.raise_signal(signal.SIGINT)
-        return real(one, run)
+        return real(run, **options)
 
-    monkeypatch.setattr(tuning, "_score", interrupted)
+    monkeypatch.setattr(tuning, "score_run", interrupted)
     with pytest.raises(TrainingInterruptedError, match="To continue, run the same command"):
         study("stopped", 3)
-    monkeypatch.setattr(tuning, "_score", real)
+    monkeypatch.setattr(tuning, "score_run", real)
     assert len(rows("stopped")) == 1
     study("stopped", 3)
     assert rows("stopped") == rows("whole")
@@ -374,15 +374,15 @@ def test_an_interrupted_study_ends_as_an_uninterrupted_one(monkeypatch: pytest.M
 
 
 def test_trials_below_the_median_are_pruned(monkeypatch: pytest.MonkeyPatch) -> None:
-    real = tuning._score
+    real = tuning.score_run
     monkeypatch.setattr(tuning, "FINISHED_FIRST", 2)
     monkeypatch.setattr(tuning, "FIRST_PRUNED", 2)
 
-    def scored(one: Any, run: Run) -> Any:
+    def scored(run: Run, **options: Any) -> Any:
         success = {"0000": 0.5, "0001": 0.7, "0002": 0.4}[run.folder.name]
-        return [{**point, "success": success} for point in real(one, run)]
+        return [{**point, "success": success} for point in real(run, **options)]
 
-    monkeypatch.setattr(tuning, "_score", scored)
+    monkeypatch.setattr(tuning, "score_run", scored)
     study("study", 3)
     assert [(row["success"], row["ending"]) for row in rows("study")] == [
         *(("0.5", "finished"), ("0.7", "finished"), ("0.4", "pruned at 2"))
@@ -403,19 +403,19 @@ def test_settings_that_cannot_be_trained_are_refused_and_count(capsys: pytest.Ca
 def test_a_training_that_fails_is_kept_with_its_reason_and_the_study_goes_on(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    real = tuning._score
+    real = tuning.score_run
     errors = {
         "0000": ValueError("found invalid values: nan"),
         "0001": RuntimeError("out of memory"),
         "0002": IrsimGymError("no place for the robot"),
     }
 
-    def scored(one: Any, run: Run) -> Any:
+    def scored(run: Run, **options: Any) -> Any:
         if run.folder.name in errors:
             raise errors[run.folder.name]
-        return real(one, run)
+        return real(run, **options)
 
-    monkeypatch.setattr(tuning, "_score", scored)
+    monkeypatch.setattr(tuning, "score_run", scored)
     study("study", 4)
     first = rows("study")
     assert [row["ending"] for row in first] == [*(f"failed: {error}" for error in errors.values()), "finished"]

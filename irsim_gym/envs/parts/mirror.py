@@ -41,7 +41,7 @@ class Mirror:
     action: Mirrored
 
     def observation(self, observed: Observation, *, channels_first: bool = False) -> Observation:
-        """Return mirrored observations, of the same form as the given ones.
+        """Return mirrored observations, of the same form and shape as the given ones.
 
         Args:
             observed: Observations, of shape ``(..., width)`` or ``(..., height, width, n_channels)``, or a dict of

@@ -13,11 +13,11 @@ from irsim_gym.envs.parts.spaces import Observation
 class BatchStep:
     """What a step, or a reset, gave; all arrays are fresh.
 
-    Observations are ``(n_worlds, n_agents, ...)``, or a dict of such arrays.
+    Observations are arrays, or a dict of arrays.
 
     Attributes:
-        observation: What the agents perceive now, those that begin an episode included: the next actions answer to it.
-            An agent that has ended and waits for its world keeps its last observation.
+        observation: What the agents perceive now, shape ``(n_worlds, n_agents, ...)``, those that begin an episode
+            included: the next actions answer to it. An agent that waits for its world keeps its last observation.
         reward: Reward of the step, shape ``(n_worlds, n_agents)``; 0 where ``acted`` is False.
         terminated: The agent's task has ended in this very step, likewise.
         truncated: The agent's episode was cut in this very step, likewise, by its time limit or because its world
@@ -26,7 +26,7 @@ class BatchStep:
             learnt from.
         live: The agent is under way now, likewise.
         began: ``observation`` is the first of an episode, likewise.
-        final_observation: The observation after the step, before any restart. Where an episode was truncated, its value
+        final_observation: The observation after the step, before any restart, likewise. Where an episode was truncated, its value
             stands for what would have followed.
         reward_terms: The terms that ``reward`` is the sum of, ``(n_worlds, n_agents, n_terms)``.
         infos: Arrays as in ``Transition.infos``, of shape ``(n_worlds, n_agents)``, before any restart, and

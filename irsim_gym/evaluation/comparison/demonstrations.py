@@ -82,7 +82,7 @@ class Demonstrations:
 
     @property
     def next_observations(self) -> Observations:
-        """Observation after each step, in the same form as ``observations``."""
+        """Observation after each step, in the same form and shape as ``observations``."""
         if isinstance(self.observations, dict):
             assert isinstance(self.final_observations, dict)
             return {key: self._shifted(rows, self.final_observations[key]) for key, rows in self.observations.items()}

@@ -23,6 +23,7 @@ from irsim_gym.evaluation.measures.optimum import Optima
 from irsim_gym.evaluation.policies.perception import Perceived
 from irsim_gym.evaluation.policies.policy import Policy
 from irsim_gym.evaluation.protocol import tables
+from irsim_gym.evaluation.protocol.tables import write_text
 from irsim_gym.evaluation.requests.machine import machine
 from irsim_gym.evaluation.requests.methods import Sources, by_method, names_of_policies
 from irsim_gym.evaluation.requests.scenario_request import ScenarioRequest
@@ -158,7 +159,7 @@ class Robustness:
             for row in self.rows
         ]
         tables.write_csv(file.with_suffix(".csv"), COLUMNS, rows)
-        tables.write_text(file.with_suffix(".md"), str(self))
+        write_text(file.with_suffix(".md"), str(self))
 
 
 def robustness(

@@ -89,7 +89,7 @@ class ShelfPolicy:
         Actions are of the shape of ``action_space``, or ``(n, ...)`` for several observations.
 
         Args:
-            observation: As the environment gives it, or several, with an axis in front.
+            observation: As the environment gives it, or several, shape ``(n, ...)``.
             state: What the last call returned, a policy with memory needs it, shape ``(1, n, size)``; None at the
                 beginning.
             episode_start: Where an episode begins, so that nothing is remembered, shape ``(n,)``; None for nowhere.

@@ -235,7 +235,7 @@ def test_rows_survive_their_file(tmp_path: Path) -> None:
     (tmp_path / "rows.csv").write_text(text.replace(",jerk,", ",jolt,"))  # a file of an earlier version
     assert math.isnan(read_rows(tmp_path / "rows.csv")[0].agents[0].episode.jerk)
     (tmp_path / "rows.csv").write_text(text.replace("success", "success,9", 1).replace(",50,", ",many,"))
-    with pytest.raises(IrsimGymError, match=r"rows.csv:2 is no row of an episode: a row must have 23 cells"):
+    with pytest.raises(IrsimGymError, match=r"rows.csv:2 is no row of an episode: a row must have 25 cells"):
         read_rows(tmp_path / "rows.csv")
     (tmp_path / "rows.csv").write_text("level,outcome\n")
     with pytest.raises(IrsimGymError, match=r"rows.csv:1 is no table of episodes: no column hit, steps"):
