@@ -26,8 +26,8 @@ class BatchStep:
             learnt from.
         live: The agent is under way now, likewise.
         began: ``observation`` is the first of an episode, likewise.
-        final_observation: The observation after the step, before any restart, likewise. Where an episode was truncated, its value
-            stands for what would have followed.
+        final_observation: The observation after the step, before any restart, likewise. Where an episode was truncated,
+            its value stands for what would have followed.
         reward_terms: The terms that ``reward`` is the sum of, ``(n_worlds, n_agents, n_terms)``.
         infos: Arrays as in ``Transition.infos``, of shape ``(n_worlds, n_agents)``, before any restart, and
             ``episode_return``: the sum of the agent's rewards so far. The outcome of an agent that was cut with its
