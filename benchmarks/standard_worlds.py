@@ -8,9 +8,11 @@ from __future__ import annotations
 
 import math
 import random
+from collections.abc import Iterator
 from typing import Any
 
 Data = dict[str, Any]
+Pair = tuple[float, float]
 
 SQUARE = 2.5
 """Side of the square that an obstacle of S1 has for itself, where there is one [m]."""
@@ -73,21 +75,39 @@ def walls(side: float) -> Data:
     return {"shape": {"name": "linestring", "vertices": corners}, "state": [0.0, 0.0, 0.0]}
 
 
+def scattered(
+    numbers: random.Random, count: int, square: float, away: float, radii: Pair, sides: Pair
+) -> Iterator[Data]:
+    """Yield circles and rectangles in turns, each somewhere in a square of its own.
+
+    Args:
+        numbers: Draws places and sizes.
+        count: Number of bodies.
+        square: Side of a square [m].
+        away: Least distance of a body's origin from the edge of its square, as a share of the side.
+        radii: Bounds of the radius of a circle [m].
+        sides: Bounds of the sides of a rectangle [m].
+    """
+    columns = columns_of(count)
+    for k, place in enumerate(numbers.sample(range(columns * columns), count)):
+        x = square * (place % columns + numbers.uniform(away, 1.0 - away))
+        y = square * (place // columns + numbers.uniform(away, 1.0 - away))
+        if k % 2 == 0:
+            shape = {"name": "circle", "radius": numbers.uniform(*radii)}
+        else:
+            shape = {"name": "rectangle", "length": numbers.uniform(*sides), "width": numbers.uniform(*sides)}
+        yield {"shape": shape, "state": [x, y, numbers.uniform(-math.pi, math.pi)]}
+
+
+def columns_of(count: int) -> int:
+    """Return how many squares a room is wide and high, of which some stay empty."""
+    return math.ceil(math.sqrt(1.6 * count))
+
+
 def s1(n_obstacles: int = 10, beams: int = 180) -> Data:
     """Return S1; more obstacles stand in a larger room, so that their density stays the same."""
-    numbers = random.Random(n_obstacles)
-    columns = math.ceil(math.sqrt(1.6 * n_obstacles))
-    side = SQUARE * columns
-    obstacles: list[Data] = []
-    for k, square in enumerate(numbers.sample(range(columns * columns), n_obstacles)):
-        x = SQUARE * (square % columns + numbers.uniform(0.35, 0.65))
-        y = SQUARE * (square // columns + numbers.uniform(0.35, 0.65))
-        if k % 2 == 0:
-            shape = {"name": "circle", "radius": numbers.uniform(0.3, 0.6)}
-        else:
-            length, width = numbers.uniform(0.5, 1.1), numbers.uniform(0.5, 1.1)
-            shape = {"name": "rectangle", "length": length, "width": width}
-        obstacles.append({"shape": shape, "state": [x, y, numbers.uniform(-math.pi, math.pi)]})
+    side = SQUARE * columns_of(n_obstacles)
+    obstacles = scattered(random.Random(n_obstacles), n_obstacles, SQUARE, 0.35, (0.3, 0.6), (0.5, 1.1))
     return {
         "world": {"width": side, "height": side, "step_time": 0.1},
         "robot": [{**DIFF, "distribution": anywhere(0.1, 4.0), "sensors": lidar(beams, 6.0)}],
@@ -138,24 +158,13 @@ def s4(n_robots: int = 10, n_wanderers: int = 10) -> Data:
 
 def s5(n_bodies: int = 10) -> Data:
     """Return S5: a robot that pushes circles and rectangles of 1 to 5 kg; more of them lie in a larger room."""
-    numbers = random.Random(n_bodies)
-    columns = math.ceil(math.sqrt(1.6 * n_bodies))
-    side = HEAP_SQUARE * columns
-    bodies: list[Data] = []
-    for k, square in enumerate(numbers.sample(range(columns * columns), n_bodies)):
-        x = HEAP_SQUARE * (square % columns + numbers.uniform(0.4, 0.6))
-        y = HEAP_SQUARE * (square // columns + numbers.uniform(0.4, 0.6))
-        if k % 2 == 0:
-            shape = {"name": "circle", "radius": numbers.uniform(0.15, 0.3)}
-        else:
-            shape = {"name": "rectangle", "length": numbers.uniform(0.3, 0.5), "width": numbers.uniform(0.3, 0.5)}
-        place = [x, y, numbers.uniform(-math.pi, math.pi)]
-        bodies.append({"shape": shape, "state": place, "mass": numbers.uniform(1.0, 5.0)})
+    side, numbers = HEAP_SQUARE * columns_of(n_bodies), random.Random(n_bodies)
+    bodies = scattered(numbers, n_bodies, HEAP_SQUARE, 0.4, (0.15, 0.3), (0.3, 0.5))
     robot = {**DIFF, "mass": 10.0, "distribution": anywhere(0.05, 2.0), "sensors": lidar(180, 6.0)}
     return {
         "world": {"width": side, "height": side, "step_time": 0.1, "collision_mode": "contact"},
         "robot": [robot],
-        "obstacle": [walls(side), *bodies],
+        "obstacle": [walls(side), *({**body, "mass": numbers.uniform(1.0, 5.0)} for body in bodies)],
         "task": {**TASK, "endings": ["arrived"]},
     }
 

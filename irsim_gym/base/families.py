@@ -25,9 +25,21 @@ ENDINGS = Registry("ending", _OWN.format("ending"), (_TASK, "ENDING"))
 SECTIONS = Registry("section")
 """Sections of a scenario file whose keys a package beyond ``scenario`` declares: for the reference and the schema."""
 
-BY_KEY = {"kinematics": KINEMATICS, "behavior": BEHAVIORS, "group_behavior": GROUP_BEHAVIORS, "shape": FOOTPRINTS}
-BY_KEY |= {"distribution": PLACEMENTS, "sensors": SENSORS, "disturbances": DISTURBANCES, "obstacle_map": MAPS}
-BY_KEY |= {"shield": SHIELDS, "action": ACTIONS, "observations": OBSERVATIONS, "rewards": REWARDS, "endings": ENDINGS}
+BY_KEY = {
+    "kinematics": KINEMATICS,
+    "behavior": BEHAVIORS,
+    "group_behavior": GROUP_BEHAVIORS,
+    "shape": FOOTPRINTS,
+    "distribution": PLACEMENTS,
+    "sensors": SENSORS,
+    "disturbances": DISTURBANCES,
+    "obstacle_map": MAPS,
+    "shield": SHIELDS,
+    "action": ACTIONS,
+    "observations": OBSERVATIONS,
+    "rewards": REWARDS,
+    "endings": ENDINGS,
+}
 """The registry of the kinds that stand at a key of a scenario file."""
 KINDS_OF_BODIES = ("kinematics", "behavior", "group_behavior", "shape")
 """Keys of entries whose value is one kind, for all bodies or for each of them."""

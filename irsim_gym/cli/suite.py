@@ -42,8 +42,12 @@ def run_suite(
     wanted = [name for name in names.split(",") if name]
     if not wanted:
         raise IrsimGymError("name a tier or a benchmark, such as core; `irsim-gym suite list` shows them")
-    asked = (lambda: shipped_suite().chosen(wanted), lambda: check_policies(policies), lambda: check_split(split))
-    report_together(*asked, lambda: check_folder(out))
+    report_together(
+        lambda: shipped_suite().chosen(wanted),
+        lambda: check_policies(policies),
+        lambda: check_split(split),
+        lambda: check_folder(out),
+    )
     members = shipped_suite().chosen(wanted)
     folder = out or Path("runs") / f"suite-{names.replace(',', '-')}"
     chosen = {"latency": latency, "overwrite": overwrite}

@@ -220,9 +220,14 @@ def _changed(scenario: Scenario, before: Episodes, variant: Variant) -> Scenario
 
 
 def _scanner(options: Any, values: Values) -> Any:
-    how: dict[str, Any] = {"number": round(values["beams"]), "offset": tuple(values[name] for name in MOUNT)}
-    how |= {"range_max": values["range_max"], "range_min": min(options.range_min, values["range_max"])}
-    return replace(options, angle_range=values["field_of_view"], **how)
+    return replace(
+        options,
+        number=round(values["beams"]),
+        angle_range=values["field_of_view"],
+        range_max=values["range_max"],
+        range_min=min(options.range_min, values["range_max"]),
+        offset=tuple(values[name] for name in MOUNT),
+    )
 
 
 def _measured(contract: RobotContract, episodes: Episodes, agent: int) -> Measured:

@@ -70,8 +70,12 @@ def describe(episodes: Episodes, info: Mapping[str, object], agent: int = 0, *, 
     each = [(_blocks(episodes, a, of_agent), _components(episodes, act, a)) for a in range(episodes.n_agents)]
     blocks, _ = each[agent]
     alike = [a for a, parts in enumerate(each) if parts == each[agent] and a != agent]
-    numbers = {"deadlock_speed": f"{task.deadlock_speed:g} m/s", "deadlock_time": f"{task.deadlock_time:g} s"}
-    numbers |= {"ended": task.ended, "team_reward": f"{task.team_reward:g}"}
+    numbers = {
+        "deadlock_speed": f"{task.deadlock_speed:g} m/s",
+        "deadlock_time": f"{task.deadlock_time:g} s",
+        "ended": task.ended,
+        "team_reward": f"{task.team_reward:g}",
+    }
     return Description(
         scenario=episodes.simulation.scenario.name,
         task=task.name,

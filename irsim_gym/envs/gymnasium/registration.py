@@ -119,9 +119,15 @@ def make(
         disable_env_checker: True leaves out Gymnasium's checks of the first steps.
         **parameters: Values for the scenario's parameters.
     """
-    limits = {"max_steps": max_steps, "max_episode_steps": max_episode_steps}
-    checks = {"numpy_infos": numpy_infos, "disable_env_checker": disable_env_checker}
-    options = _given(task=task, **limits, render_mode=render_mode, strict=strict, **checks)
+    options = _given(
+        task=task,
+        max_steps=max_steps,
+        max_episode_steps=max_episode_steps,
+        render_mode=render_mode,
+        strict=strict,
+        numpy_infos=numpy_infos,
+        disable_env_checker=disable_env_checker,
+    )
     env_id, kwargs = _resolve(scenario, {**options, **parameters})
     return Environment(gymnasium.make(env_id, **kwargs))
 
@@ -159,9 +165,18 @@ def make_vec(
         wrappers: With these modes, wrappers around each single environment.
         **parameters: Values for the scenario's parameters.
     """
-    limits = {"max_steps": max_steps, "max_episode_steps": max_episode_steps, "num_threads": num_threads}
-    ways = {"autoreset_mode": autoreset_mode, "render_mode": render_mode, "vectorization_mode": vectorization_mode}
-    options = _given(task=task, **limits, **ways, strict=strict, vector_kwargs=vector_kwargs, wrappers=wrappers)
+    options = _given(
+        task=task,
+        max_steps=max_steps,
+        max_episode_steps=max_episode_steps,
+        autoreset_mode=autoreset_mode,
+        num_threads=num_threads,
+        render_mode=render_mode,
+        strict=strict,
+        vectorization_mode=vectorization_mode,
+        vector_kwargs=vector_kwargs,
+        wrappers=wrappers,
+    )
     _refuse_for_singles(options)
     env_id, kwargs = _resolve(scenario, {**options, **parameters})
     return gymnasium.make_vec(env_id, num_envs=num_envs, **kwargs)

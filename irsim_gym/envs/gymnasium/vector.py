@@ -69,14 +69,25 @@ class WorldVectorEnv(ManyWorlds, VectorEnv[Observation, Any, NDArray[Any]]):  # 
         **parameters: object,
     ) -> None:
         self.autoreset_mode = checked_autoreset(autoreset_mode)
-        limits: dict[str, Any] = {"max_steps": max_steps, "outer_limit": max_episode_steps, "num_threads": num_threads}
-        shown: dict[str, Any] = {"render_mode": render_mode, "parameters": parameters, "strict": strict}
-        worlds = Worlds(scenario, num_envs, task=task, **limits, **shown)
+        worlds = Worlds(
+            scenario,
+            num_envs,
+            task=task,
+            max_steps=max_steps,
+            outer_limit=max_episode_steps,
+            num_threads=num_threads,
+            render_mode=render_mode,
+            parameters=parameters,
+            strict=strict,
+        )
         self.worlds = worlds
         self.num_envs = num_envs
         self.render_mode = render_mode
-        self.metadata = {"render_modes": list(RENDER_MODES), "render_fps": worlds.render_fps}
-        self.metadata["autoreset_mode"] = self.autoreset_mode
+        self.metadata = {
+            "render_modes": list(RENDER_MODES),
+            "render_fps": worlds.render_fps,
+            "autoreset_mode": self.autoreset_mode,
+        }
         self.single_observation_space = worlds.observation_space
         self.single_action_space = worlds.action_space
         self.observation_space = batch_space(worlds.observation_space, num_envs)

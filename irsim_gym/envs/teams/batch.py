@@ -55,8 +55,17 @@ def make_batch(
         strict: False ignores unused keys with an ``IgnoredKeyWarning``; True raises an error.
         **parameters: Values for the scenario's parameters, e.g. ``n_robots=8``.
     """
-    how: dict[str, Any] = {"max_steps": max_steps, "num_threads": num_threads, "render_mode": render_mode}
-    worlds = Worlds(scenario, num_envs, task=task, team=True, parameters=parameters, strict=strict, **how)
+    worlds = Worlds(
+        scenario,
+        num_envs,
+        task=task,
+        max_steps=max_steps,
+        num_threads=num_threads,
+        render_mode=render_mode,
+        team=True,
+        parameters=parameters,
+        strict=strict,
+    )
     return Batch(worlds, autoreset=autoreset, respawn=respawn, world_steps=world_steps, team_state=team_state)
 
 

@@ -60,8 +60,15 @@ def parallel_env(
     """
     if max_steps is not None and max_cycles not in (None, max_steps):
         raise ValueError(f"max_steps and max_cycles are the same limit, got {max_steps} and {max_cycles}")
-    how: dict[str, Any] = {"max_steps": max_cycles if max_steps is None else max_steps, "render_mode": render_mode}
-    worlds = Worlds(scenario, task=task, team=True, parameters=parameters, strict=strict, **how)
+    worlds = Worlds(
+        scenario,
+        task=task,
+        max_steps=max_cycles if max_steps is None else max_steps,
+        render_mode=render_mode,
+        team=True,
+        parameters=parameters,
+        strict=strict,
+    )
     return WorldParallelEnv(worlds, padded=padded, black_death=black_death)
 
 
@@ -124,8 +131,12 @@ class WorldParallelEnv(OneWorld, ParallelEnv[str, Observation, Any]):  # type: i
         self.worlds = worlds
         self.black_death = black_death
         self.render_mode = worlds.render_mode
-        self.metadata = {"name": f"{worlds.scenario.name}_v0", "render_modes": list(RENDER_MODES)}
-        self.metadata |= {"render_fps": worlds.render_fps, "is_parallelizable": True}
+        self.metadata = {
+            "name": f"{worlds.scenario.name}_v0",
+            "render_modes": list(RENDER_MODES),
+            "render_fps": worlds.render_fps,
+            "is_parallelizable": True,
+        }
         self.possible_agents: list[str] = list(worlds.agent_names)
         self.agents: list[str] = []
         self._indices = {name: a for a, name in enumerate(self.possible_agents)}

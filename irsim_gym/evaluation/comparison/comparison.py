@@ -3,7 +3,7 @@
 import warnings
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any, cast
+from typing import cast
 
 from irsim_gym.base.errors import ChangedScenarioWarning
 from irsim_gym.envs.gymnasium.worlds import ScenarioSource, TaskSource
@@ -59,8 +59,15 @@ def evaluate(
     sources = sources_of(policies, levels)
     _warn_of_changes(scenario, [source for several in by_method(sources).values() for source in several], task, strict)
     request = ScenarioRequest(scenario, task, team, parameters, strict)
-    how: dict[str, Any] = {"levels": levels, "split": split, "n_worlds": n_worlds, "references": references}
-    return evaluate_policies(request, sources, folder=None if folder is None else Path(folder), **how)
+    return evaluate_policies(
+        request,
+        sources,
+        levels=levels,
+        split=split,
+        n_worlds=n_worlds,
+        references=references,
+        folder=None if folder is None else Path(folder),
+    )
 
 
 def sources_of(policies: Source | Sources, levels: int) -> Sources:

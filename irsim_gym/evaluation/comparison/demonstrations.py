@@ -96,8 +96,13 @@ class Demonstrations:
 
     def transitions(self) -> dict[str, Any]:
         """Return the fields of ``imitation.data.types.Transitions``: obs, acts, infos, next_obs, dones."""
-        told = {"acts": self.actions, "infos": np.array([{} for _ in range(len(self))], dtype=object)}
-        return {"obs": self.observations, **told, "next_obs": self.next_observations, "dones": self.ends}
+        return {
+            "obs": self.observations,
+            "acts": self.actions,
+            "infos": np.array([{} for _ in range(len(self))], dtype=object),
+            "next_obs": self.next_observations,
+            "dones": self.ends,
+        }
 
 
 KINDS = {

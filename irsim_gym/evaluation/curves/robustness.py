@@ -22,8 +22,15 @@ from irsim_gym.evaluation.measures.metrics import Rate
 from irsim_gym.evaluation.measures.optimum import Optima
 from irsim_gym.evaluation.policies.perception import Perceived
 from irsim_gym.evaluation.policies.policy import Policy
-from irsim_gym.evaluation.protocol import tables
-from irsim_gym.evaluation.protocol.tables import write_text
+from irsim_gym.evaluation.protocol.tables import (
+    interval,
+    markdown_table,
+    number,
+    percent,
+    write_csv,
+    write_json,
+    write_text,
+)
 from irsim_gym.evaluation.requests.machine import machine
 from irsim_gym.evaluation.requests.methods import Sources, by_method, names_of_policies
 from irsim_gym.evaluation.requests.scenario_request import ScenarioRequest
@@ -125,18 +132,18 @@ class Robustness:
         """Return the tables as Markdown: where 5 points are lost, and the success with each strength."""
         rows = dict[str, list[str]]()
         for row in self.rows:
-            cell = f"{tables.percent(row.success)} ({tables.interval(row.success)}); {tables.percent(row.collision)}"
+            cell = f"{percent(row.success)} ({interval(row.success)}); {percent(row.collision)}"
             rows.setdefault(row.label, ["-"] * len(self.policies))[self.policies.index(row.policy)] = cell
         lost = [
             [f"{factor} [{unit}]", *(self.lost_text(factor, policy) for policy in self.policies)]
             for factor, unit in self.factors.items()
         ]
         weak = [row for row in self.rows if not row.strength and 100.0 * row.success.value < LOW]
-        notes = [f"Undisturbed success of {row.policy} is only {tables.percent(row.success)} %." for row in weak]
+        notes = [f"Undisturbed success of {row.policy} is only {percent(row.success)} %." for row in weak]
         notes += [f"Without {name}: {reason}." for name, reason in self.left_out.items()]
         heads, title = ["disturbance", *self.policies], f"{self.title}: strength that costs {LOST:g} points of success"
-        every = tables.markdown_table(EVERY, [], heads, [[label, *cells] for label, cells in rows.items()])
-        return f"{tables.markdown_table(title, notes, heads, lost)}\n{every}"
+        every = markdown_table(EVERY, [], heads, [[label, *cells] for label, cells in rows.items()])
+        return f"{markdown_table(title, notes, heads, lost)}\n{every}"
 
     def lost_text(self, factor: str, policy: str) -> str:
         """Return ``lost_at`` of ``factor`` and ``policy`` for a table.
@@ -144,7 +151,7 @@ class Robustness:
         It is ``0.24``, ``> 0.5`` beyond the strengths played, or ``-`` where it is NaN.
         """
         found = self.lost_at(factor, policy)
-        return f"> {self.curve(factor, policy)[-1].strength:g}" if math.isinf(found) else tables.number(found, 2)
+        return f"> {self.curve(factor, policy)[-1].strength:g}" if math.isinf(found) else number(found, 2)
 
     def write(self, folder: Path) -> None:
         """Write ``robustness.json``, ``.csv`` and ``.md`` into ``folder``; in JSON, infinite numbers are null."""
@@ -153,12 +160,12 @@ class Robustness:
             name: {factor: at for factor in self.factors if not math.isnan(at := self.lost_at(factor, name))}
             for name in self.policies
         }
-        tables.write_json(file, {**asdict(self), "lost_5_points_at": lost, "machine": machine()})
+        write_json(file, {**asdict(self), "lost_5_points_at": lost, "machine": machine()})
         rows = [
             {**vars(row), **vars(row.success), "success": row.success.value, "collision": row.collision.value}
             for row in self.rows
         ]
-        tables.write_csv(file.with_suffix(".csv"), COLUMNS, rows)
+        write_csv(file.with_suffix(".csv"), COLUMNS, rows)
         write_text(file.with_suffix(".md"), str(self))
 
 
@@ -240,7 +247,7 @@ def _play(
         success = summary.cooperative_success if of["team"] else summary.success
         row = StrengthRow(factor.name, strength, factor.unit, text, noise, name, success, summary.collision)
         record.rows.append(row)
-        print(f"{row.label}, {name}: {tables.percent(success)} %", file=sys.stderr)
+        print(f"{row.label}, {name}: {percent(success)} %", file=sys.stderr)
 
 
 def _hashes(sources: Sources) -> Iterator[tuple[str, str]]:

@@ -243,10 +243,15 @@ def summarize(policy: str, rows: Sequence[EpisodeRow]) -> Summary:
     shares: dict[str, Any] = {outcome: rate(count, total) for outcome, count in counts.items()}
     if are_copies(rows):
         shares = {outcome: share.exact() for outcome, share in shares.items()}
-    split = {hit: rate(count, total) for hit, count in hits.items()}
-    time = mean([row.time for row in rows if row.outcome == "success"])
-    more = {"throughput": mean([row.goals_per_minute for row in rows]), **means(rows)}
-    return Summary(policy=policy, episodes=total, **shares, collision_with=split, time=time, **more)
+    return Summary(
+        policy=policy,
+        episodes=total,
+        **shares,
+        collision_with={hit: rate(count, total) for hit, count in hits.items()},
+        time=mean([row.time for row in rows if row.outcome == "success"]),
+        throughput=mean([row.goals_per_minute for row in rows]),
+        **means(rows),
+    )
 
 
 def means(rows: Sequence[EpisodeRow]) -> dict[str, Any]:

@@ -1,7 +1,6 @@
 """Paths through a world that a script steps, and its map for planners."""
 
 from functools import partial
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -129,9 +128,14 @@ class PathPlanner:
                 warn_caller(f"{told}, {sides[0]:g} x {sides[1]:g} m", NoEffectWarning)
             elif (DEFAULT_CELL if resolution is None else resolution) > COARSER * max(sides):
                 grid = coarser(grid, shape)
-        cell = DEFAULT_CELL if resolution is None else float(resolution)
-        rest: dict[str, Any] = {"obstacle_list": self._population.obstacles, "world_offset": scenario.world.offset}
-        return GridMap(width=size[0], height=size[1], resolution=cell, grid=grid, **rest)
+        return GridMap(
+            width=size[0],
+            height=size[1],
+            resolution=DEFAULT_CELL if resolution is None else float(resolution),
+            obstacle_list=self._population.obstacles,
+            grid=grid,
+            world_offset=scenario.world.offset,
+        )
 
 
 def point(values: ArrayLike, name: str) -> tuple[float, float]:

@@ -18,8 +18,17 @@ SPEED_STEP = 0.2
 AXES = {"ahead": ("w", "s"), "aside": ("a", "d"), "turn": ("q", "e")}
 """The keys of each direction of motion: the positive one and the negative one."""
 
-COMMANDS = {"r": "reset", "n": "next", "space": "pause", "escape": "quit", "x": "switch"}
-COMMANDS |= {"l": "reload", "f5": "step", "v": "figure", "y": "display"}
+COMMANDS = {
+    "r": "reset",
+    "n": "next",
+    "space": "pause",
+    "escape": "quit",
+    "x": "switch",
+    "l": "reload",
+    "f5": "step",
+    "v": "figure",
+    "y": "display",
+}
 """Keys that command the world, and their commands."""
 
 

@@ -22,8 +22,12 @@ from irsim_gym.simulator.world.model import ACKERMANN, DIFFERENTIAL
 from irsim_gym.tasks import Episodes, Outcome
 from irsim_gym.tasks.episodes.prediction import steers
 
-TOPICS = {"/scan": "sensor_msgs/msg/LaserScan", "/odom": "nav_msgs/msg/Odometry"}
-TOPICS |= {"/goal_pose": "geometry_msgs/msg/PoseStamped", "/cmd_vel": "geometry_msgs/msg/Twist"}
+TOPICS = {
+    "/scan": "sensor_msgs/msg/LaserScan",
+    "/odom": "nav_msgs/msg/Odometry",
+    "/goal_pose": "geometry_msgs/msg/PoseStamped",
+    "/cmd_vel": "geometry_msgs/msg/Twist",
+}
 
 
 def write_bag(asked: ScenarioRequest, source: str, folder: Path, level: int = 0, split: str = "test") -> dict[str, int]:

@@ -17,9 +17,16 @@ MOST_NAMES, MOST_PLACES = 24, 3
 SURE = 0.85
 """Similarity of a key to a known one above which it counts as a misspelling."""
 
-SPECS: dict[str, type[Any]] = {"world": WorldSpec, "world.plot": WorldPlot, "world.plot.saved_figure": SavedFigure}
-SPECS |= {"robot, obstacle": BodyOptions, "plot": ObjectPlot, "wander_goals": WanderGoals}
-SPECS |= {"gui.keyboard": KeyboardSpec, "gui.mouse": MouseSpec}
+SPECS: dict[str, type[Any]] = {
+    "world": WorldSpec,
+    "world.plot": WorldPlot,
+    "world.plot.saved_figure": SavedFigure,
+    "robot, obstacle": BodyOptions,
+    "plot": ObjectPlot,
+    "wander_goals": WanderGoals,
+    "gui.keyboard": KeyboardSpec,
+    "gui.mouse": MouseSpec,
+}
 """What declares the keys of each mapping of a file, apart from those with a name."""
 
 

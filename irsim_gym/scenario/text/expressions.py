@@ -9,8 +9,12 @@ from collections.abc import Callable, Mapping
 LONGEST = 80
 _NUMBER = r"[0-9]+\.?[0-9]*(?:[eE][+-]?[0-9]+)?|\.[0-9]+(?:[eE][+-]?[0-9]+)?"
 _TOKEN = re.compile(rf"[ ]*({_NUMBER}|pi|min|max|floor|\$[A-Za-z_][A-Za-z0-9_]*|[-+*/(),])[ ]*", re.ASCII)
-_OPERATORS: dict[type[ast.operator], Callable[[float, float], float]] = {ast.Add: operator.add, ast.Sub: operator.sub}
-_OPERATORS |= {ast.Mult: operator.mul, ast.Div: operator.truediv}
+_OPERATORS: dict[type[ast.operator], Callable[[float, float], float]] = {
+    ast.Add: operator.add,
+    ast.Sub: operator.sub,
+    ast.Mult: operator.mul,
+    ast.Div: operator.truediv,
+}
 _FUNCTIONS: dict[str, Callable[..., float | int]] = {"min": min, "max": max, "floor": math.floor}
 
 Number = float | int

@@ -16,6 +16,11 @@ NO_AREA = (np.nan, np.nan, np.nan, np.nan)
 NO_CONTACTS = "bodies push each other with collision_mode contact alone"
 
 
+def without_contacts(scenario: Scenario) -> str | None:
+    """Return what a scenario lacks in which bodies do not push each other, as text."""
+    return None if scenario.world.collision_mode == "contact" else NO_CONTACTS
+
+
 @runtime_checkable
 class FitsScenario(Protocol):
     """A kind of a task that needs something of the scenario."""
@@ -68,8 +73,8 @@ class OfBodies:
         chosen, area = self.chosen(scenario), self.area
         found = {name for b in chosen for name in (scenario.bodies[b].name, scenario.bodies[b].group_name)}
         unknown = [name for name in self.bodies if name not in found]
-        if scenario.world.collision_mode != "contact":
-            return NO_CONTACTS
+        if lacks := without_contacts(scenario):
+            return lacks
         if area is not None and not (area[0] < area[2] and area[1] < area[3]):
             return f"'area' must be x0, y0, x1, y1 with x0 < x1 and y0 < y1, got {list(area)}"
         if unknown or not chosen:

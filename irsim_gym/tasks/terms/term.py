@@ -140,9 +140,14 @@ class MindsClearance(Protocol):
 
 Need = Literal["scan", "odometry", "map_frame", "grid", "bodies", "messages"]
 Needs = tuple[Need, ...]
-NEEDS: dict[Need, str] = {"scan": "a range sensor", "odometry": "its pose and velocity, in a frame that may drift"}
-NEEDS |= {"map_frame": "its pose in the fixed frame of the world", "grid": "a map that it keeps of its own scans"}
-NEEDS |= {"bodies": "the true state of other bodies", "messages": "what its team mates tell it"}
+NEEDS: dict[Need, str] = {
+    "scan": "a range sensor",
+    "odometry": "its pose and velocity, in a frame that may drift",
+    "map_frame": "its pose in the fixed frame of the world",
+    "grid": "a map that it keeps of its own scans",
+    "bodies": "the true state of other bodies",
+    "messages": "what its team mates tell it",
+}
 """What a robot must have, to observe what a kind observes."""
 NEEDS_MEANING = f"what a robot must have for it, a tuple of some of {', '.join(NEEDS)}; None: not said"
 NeedsGoal = Annotated[bool, "True if it means nothing for an agent without a goal, else False"]

@@ -13,8 +13,12 @@ SCHEDULES = ("learning_rate", "clip_range", "clip_range_vf")
 """Keys that also take ``lin_<number>``."""
 AUTOMATIC = ("ent_coef", "target_entropy")
 """Keys that also take ``auto``, if the algorithm adjusts them itself."""
-GIVEN_ELSEWHERE = {"env": "is made from the scenario", "seed": "is given by --seed"}
-GIVEN_ELSEWHERE |= {"tensorboard_log": "is the folder tensorboard/ of the run", "_init_setup_model": "is for Python"}
+GIVEN_ELSEWHERE = {
+    "env": "is made from the scenario",
+    "seed": "is given by --seed",
+    "tensorboard_log": "is the folder tensorboard/ of the run",
+    "_init_setup_model": "is for Python",
+}
 """Arguments of algorithms that a file must not set, and the reason."""
 NOT_IN_FILES = "is a class, which a file cannot hold"
 """Reason for arguments whose values are Python objects."""

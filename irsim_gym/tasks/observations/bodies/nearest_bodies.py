@@ -156,8 +156,7 @@ def write_nearest(
         for a in range(term.agents.shape[0]):
             body = term.agents[a]
             x, y = state.pose[w, body, 0], state.pose[w, body, 1]
-            distance[:], nearest.way_x[slot, :], nearest.way_y[slot, :] = nearest.sight, 0.0, 0.0
-            nearest.body[slot, :] = -1
+            forget_nearest(slot, nearest)
             for b in range(model.present.shape[1]):
                 if b == body or model.unobstructed[b] or not model.present[w, b] or (moving_only and model.stands[b]):
                     continue
@@ -178,6 +177,17 @@ def write_nearest(
             row = episode.observation[w, a, column : column + WIDTH * n_found]
             write_gaps(w, body, slot, nearest, term, model, state, row)
             write_motions(w, body, slot, nearest, speed, state, row)
+
+
+@kernel
+def forget_nearest(slot: int, nearest: Nearest) -> None:
+    """Forget all bodies of the list: each place is as far as the sight.
+
+    Reads: nearest (sight).
+    Writes: nearest (body, distance, way_x, way_y).
+    """
+    nearest.distance[slot, :], nearest.way_x[slot, :], nearest.way_y[slot, :] = nearest.sight, 0.0, 0.0
+    nearest.body[slot, :] = -1
 
 
 @kernel

@@ -10,7 +10,7 @@ from irsim_gym.simulator.engine import Simulation
 from irsim_gym.tasks.terms import EpisodeState, Ints, Model, Shard, State, kernel, kind, option
 from irsim_gym.tasks.terms.mirrored import Mirrored, signed
 from irsim_gym.tasks.terms.scaling import unit
-from irsim_gym.tasks.terms.targets import NO_CONTACTS
+from irsim_gym.tasks.terms.targets import without_contacts
 from irsim_gym.tasks.terms.term import Bound, Needs, Term
 from irsim_gym.tasks.terms.words import Columns
 
@@ -30,7 +30,7 @@ class Contact:
 
     def misfit(self, scenario: Scenario) -> str | None:
         """Return what the scenario lacks, as text."""
-        return None if scenario.world.collision_mode == "contact" else NO_CONTACTS
+        return without_contacts(scenario)
 
     def arrays(self, simulation: Simulation, agents: Ints) -> dict[str, Records]:
         """Return what all bodies feel."""

@@ -11,6 +11,7 @@ from irsim_gym.tasks.observations.bodies.nearest_bodies import (
     WIDTH,
     Nearest,
     ObservesNearest,
+    forget_nearest,
     keep,
     moving,
     nearest_memory,
@@ -87,8 +88,7 @@ def write_tracks(
         for a in range(term.agents.shape[0]):
             body, tracks = term.agents[a], tracked.tracker.tracks[w, a]
             x, y, heading = state.pose[w, body, 0], state.pose[w, body, 1], state.pose[w, body, 2]
-            nearest.distance[slot, :], nearest.way_x[slot, :], nearest.way_y[slot, :] = nearest.sight, 0.0, 0.0
-            nearest.body[slot, :] = -1
+            forget_nearest(slot, nearest)
             for t in range(tracks.shape[0]):
                 if tracks[t].used and tracks[t].score >= PROOFS:
                     dx, dy = tracks[t].x - x, tracks[t].y - y
@@ -97,11 +97,8 @@ def write_tracks(
                     keep(away - tracks[t].radius, share * dx, share * dy, t, slot, nearest)
             row = episode.observation[w, a, term.column : term.column + WIDTH * nearest.distance.shape[1]]
             write_gaps(w, body, slot, nearest, term, model, state, row)
-            own_x, own_y, ahead = (
-                moving(w, body, 0, state),
-                moving(w, body, 1, state),
-                (np.cos(heading), np.sin(heading)),
-            )
+            own_x, own_y = moving(w, body, 0, state), moving(w, body, 1, state)
+            ahead = np.cos(heading), np.sin(heading)
             for k in range(nearest.distance.shape[1]):
                 t, vx, vy = nearest.body[slot, k], 0.0, 0.0
                 if t >= 0:

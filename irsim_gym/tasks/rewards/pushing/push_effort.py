@@ -4,7 +4,7 @@ from irsim_gym.base.arraytypes import Records
 from irsim_gym.scenario.specs.spec import Scenario
 from irsim_gym.simulator.engine import Simulation
 from irsim_gym.tasks.terms import EpisodeState, Ints, Model, Shard, State, kernel, kind, option
-from irsim_gym.tasks.terms.targets import NO_CONTACTS
+from irsim_gym.tasks.terms.targets import without_contacts
 from irsim_gym.tasks.terms.term import Bound, RewardDefaults, Term
 
 
@@ -20,7 +20,7 @@ class PushEffort(RewardDefaults):
 
     def misfit(self, scenario: Scenario) -> str | None:
         """Return what the scenario lacks, as text."""
-        return None if scenario.world.collision_mode == "contact" else NO_CONTACTS
+        return without_contacts(scenario)
 
     def arrays(self, simulation: Simulation, agents: Ints) -> dict[str, Records]:
         """Return what all bodies feel."""
