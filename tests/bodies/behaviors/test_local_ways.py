@@ -218,7 +218,7 @@ def test_hits_close_to_the_one_before_are_left_out() -> None:
     scan = OwnScan(
         sensors=np.zeros(1, np.int64), ranges=np.ones((1, 1, 4), np.float32), angles=np.zeros((1, 4)),
         beams_x=np.ones((1, 4)), beams_y=beams, offset=np.zeros((1, 3)), range_min=np.zeros(1),
-        range_max=np.full(1, 9.0),
+        range_max=np.full(1, 9.0), noise=np.zeros(1),
     )  # fmt: skip
     simulation, _, _ = planner("straight")
     hits = np.zeros((2, 4))

@@ -7,18 +7,18 @@ from typing import ClassVar
 import numpy as np
 
 from irsim_gym.base.arraytypes import Ints
+from irsim_gym.simulator.tracks.tracker import Tracker, is_mover
 from irsim_gym.tasks.observations.bodies.time_to_collision import MovingPoint, ObservesTimes, Velocities, meet_disc
 from irsim_gym.tasks.observations.scan.ranges import WITHOUT_SENSOR
-from irsim_gym.tasks.observations.tracks.following import follow_all
-from irsim_gym.tasks.observations.tracks.tracker import (
+from irsim_gym.tasks.observations.tracks.learner_tracks import (
     ACCEL,
     KEEP,
     NEEDS,
-    PROOFS,
     SIZE,
     TOLD,
-    Tracker,
     begin_tracks,
+    follow_all,
+    learners_tracker,
     share_tracks,
 )
 from irsim_gym.tasks.terms import Bound, EpisodeState, Model, Shard, Simulation, State, Struct, Term, kernel, kind
@@ -49,7 +49,7 @@ class TimeToTracks(ObservesTimes):
 
     def arrays(self, simulation: Simulation, agents: Ints) -> TrackedTimes:
         """Return the tracks, the velocities in the body frame and the radii of the discs around the agents."""
-        tracker = Tracker.over(self, simulation, agents, "time_to_tracks")
+        tracker = learners_tracker(self, simulation, agents, "time_to_tracks")
         return TrackedTimes(tracker, self.velocities(simulation.model, agents))
 
     @staticmethod
@@ -77,7 +77,7 @@ def write_track_times(worlds: Ints, term: Bound, timed: TrackedTimes, state: Sta
             for t in range(tracks.shape[0]):
                 one = tracks[t]
                 dx, dy = one.x - pose[0], one.y - pose[1]
-                if one.used and one.score >= PROOFS and np.sqrt(dx * dx + dy * dy) - one.radius <= far:
+                if is_mover(one) and np.sqrt(dx * dx + dy * dy) - one.radius <= far:
                     x, y = dx * cosine + dy * sine, dy * cosine - dx * sine
                     vx, vy = one.vx * cosine + one.vy * sine, one.vy * cosine - one.vx * sine
                     meet_disc(

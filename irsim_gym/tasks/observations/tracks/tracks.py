@@ -7,6 +7,7 @@ from typing import ClassVar
 import numpy as np
 
 from irsim_gym.base.arraytypes import Ints
+from irsim_gym.simulator.tracks.tracker import Tracker, is_mover
 from irsim_gym.tasks.observations.bodies.nearest_bodies import (
     WIDTH,
     Nearest,
@@ -19,16 +20,15 @@ from irsim_gym.tasks.observations.bodies.nearest_bodies import (
     write_motion,
 )
 from irsim_gym.tasks.observations.scan.ranges import WITHOUT_SENSOR
-from irsim_gym.tasks.observations.tracks.following import follow_all
-from irsim_gym.tasks.observations.tracks.tracker import (
+from irsim_gym.tasks.observations.tracks.learner_tracks import (
     ACCEL,
     KEEP,
     NEEDS,
-    PROOFS,
     SIZE,
     TOLD,
-    Tracker,
     begin_tracks,
+    follow_all,
+    learners_tracker,
     share_tracks,
 )
 from irsim_gym.tasks.terms import Bound, EpisodeState, Model, Shard, Simulation, State, Struct, Term, kernel, kind
@@ -64,7 +64,7 @@ class Tracks(ObservesNearest):
 
     def arrays(self, simulation: Simulation, agents: Ints) -> Tracked:
         """Return the tracks and scratch memory."""
-        return Tracked(Tracker.over(self, simulation, agents, "tracks"), nearest_memory(self, simulation))
+        return Tracked(learners_tracker(self, simulation, agents, "tracks"), nearest_memory(self, simulation))
 
     @staticmethod
     def write(term: Term, model: Model, state: State, episode: EpisodeState, shard: Shard) -> None:
@@ -90,7 +90,7 @@ def write_tracks(
             x, y, heading = state.pose[w, body, 0], state.pose[w, body, 1], state.pose[w, body, 2]
             forget_nearest(slot, nearest)
             for t in range(tracks.shape[0]):
-                if tracks[t].used and tracks[t].score >= PROOFS:
+                if is_mover(tracks[t]):
                     dx, dy = tracks[t].x - x, tracks[t].y - y
                     away = np.sqrt(dx * dx + dy * dy)
                     share = (away - tracks[t].radius) / away if away > 0.0 else 1.0

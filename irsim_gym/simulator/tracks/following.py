@@ -4,11 +4,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from irsim_gym.base.arraytypes import Floats, Ints, Records
+from irsim_gym.base.arraytypes import Floats, Records
+from irsim_gym.base.kernels import kernel
 from irsim_gym.simulator.geometry.angles import TURN, nearly_arctan2, wrap
-from irsim_gym.tasks.observations.tracks.clusters import find_clusters, fit_disc, join_beams
-from irsim_gym.tasks.observations.tracks.tracker import PROOFS, Tracker
-from irsim_gym.tasks.terms import EpisodeState, Model, State, kernel
+from irsim_gym.simulator.tracks.clusters import find_clusters, fit_disc, join_beams
+from irsim_gym.simulator.tracks.tracker import PROOFS, Tracker
 
 GATE = 0.35
 """How far a cluster may be from where a track is expected, beside twice the deviation of that [m]."""
@@ -31,7 +31,7 @@ RADIUS, SPREAD, PACE = 0.3, 0.1, 1.0
 
 
 class Moment(NamedTuple):
-    """Whose scan is followed: world, learner, their step, slot of scratch memory, and how long a step takes [s]."""
+    """Whose scan is followed: world, member, its step, slot of scratch memory, and how long a step takes [s]."""
 
     w: int
     a: int
@@ -41,22 +41,22 @@ class Moment(NamedTuple):
 
 
 @kernel
-def follow_all(
-    worlds: Ints, slot: int, agents: Ints, tracker: Tracker, model: Model, state: State, episode: EpisodeState
-) -> None:
-    """Bring the tracks up to the latest scans, unless they are.
+def follow_scan(at: Moment, pose: Floats, tracker: Tracker) -> None:
+    """Bring the tracks up to the latest scan, unless they are.
 
     Reads: tracker (accel, closes, clusters, eyes, joined, keep, limits, noise, noted, points, scan, scans, size,
-        spacing, tracks), model (step_time), state (pose), episode (steps).
+        spacing, tracks).
     Writes: tracker (clusters, eyes, joined, noted, points, scans, tracks).
+
+    Args:
+        at: Whose scan it is.
+        pose: Where its body is [m, m, rad].
+        tracker: The tracks.
     """
-    for w in worlds:
-        for a in range(agents.shape[0]):
-            at = Moment(w, a, episode.steps[w, a], slot, model.step_time[0])
-            if at.step != tracker.noted[w, a] and tracker.scan.ranges.shape[2] > 0:
-                note_scan(at, state.pose[w, agents[a]], tracker)
-                follow(at, tracker)
-                tracker.noted[w, a] = at.step
+    if at.step != tracker.noted[at.w, at.a] and tracker.scan.ranges.shape[2] > 0:
+        note_scan(at, pose, tracker)
+        follow(at, tracker)
+        tracker.noted[at.w, at.a] = at.step
 
 
 @kernel

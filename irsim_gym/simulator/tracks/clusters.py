@@ -3,8 +3,8 @@
 import numpy as np
 
 from irsim_gym.base.arraytypes import Floats, Rays, Records
+from irsim_gym.base.kernels import kernel
 from irsim_gym.base.kernels.structs import record_type
-from irsim_gym.tasks.terms import kernel
 
 CLUSTER = record_type("x y", first=np.int64, last=np.int64, track=np.int64)
 """The middle of a cluster [m], its first point and one past its last, and the track that it belongs to, or -1."""
