@@ -9,8 +9,8 @@ import pytest
 from task_tools import BALL, ROBOT, drive, play
 
 from irsim_gym.robot.policy_graph import _reasons
-from irsim_gym.tasks import Episodes
 from irsim_gym.simulator.tracks.tracker import PROOFS
+from irsim_gym.tasks import Episodes
 
 STAND = (-1.0, 0.0)
 ROOM = {"shape": {"name": "linestring", "vertices": [[0, 0], [10, 0], [10, 10], [0, 10], [0, 0]]}, "state": [0, 0, 0]}

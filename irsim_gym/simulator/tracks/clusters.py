@@ -15,6 +15,8 @@ STRAIGHT = 0.02
 """Four points in a row are joined, however far apart, if the inner ones are this near to a line [m]."""
 ANCHOR = 1.0 / 0.3**2
 """Weight of the expected centre [1/m2]: it decides only what a cluster of one or two points leaves open."""
+LOST = 2
+"""Most beams in a row that count as lost."""
 SMALLEST, WIDEST = 0.05, 0.6
 """Bounds of the radius of a disc [m]."""
 DRIFT = 0.005**2
@@ -83,13 +85,43 @@ def join_straight(flat: Rays, before: Rays, now: Rays, after: Rays, same: Rays) 
 
 
 @kernel
+def mend(ranges: Rays, limits: Rays, spacing: float, noise: float, same: Rays) -> None:
+    """Bridge gaps of up to ``LOST`` beams without a valid reading between two hits: they were lost.
+
+    A lost beam gets minus the nearer hit as its reading, which shows neither a point nor free space. Hits that may be
+    on one disc are joined. Edges that recede on both sides are those of two bodies, and what is between them is free.
+
+    Args:
+        ranges: The scan [m], ``(n_beams,)``; lost beams are written.
+        limits: Valid readings lie between these two [m].
+        spacing: Angle between neighbouring beams [rad].
+        noise: Standard deviation of the readings [m].
+        same: 1 for each beam that hits the same surface as the one before it, ``(n_beams,)``; written.
+    """
+    n, last, step = ranges.shape[0], -1, 2.0 * LARGEST * spacing
+    for i in range(n):
+        if not limits[0] < ranges[i] < limits[1]:
+            continue
+        if 0 <= last < i - 1 <= last + LOST:
+            one, other = ranges[last], ranges[i]
+            before, after = ranges[last - 1 if last > 0 else n - 1], ranges[i + 1 if i < n - 1 else 0]
+            is_known = (limits[0] < before < limits[1]) and (limits[0] < after < limits[1])
+            if not is_known or one - before <= after - other + 4.0 * noise:
+                is_near = (other - one) * (other - one) <= step * (i - last) * min(one, other)
+                for k in range(last + 1, i):
+                    ranges[k], same[k] = -min(one, other), np.float32(is_near)
+                same[i] = np.float32(is_near)
+        last = i
+
+
+@kernel
 def find_clusters(ranges: Rays, limits: Rays, size: float, joined: Rays, points: Floats, clusters: Records) -> int:
     """Gather the points of the clusters that are not too wide, and return the number of clusters.
 
     Writes: points.
 
     Args:
-        ranges: The scan [m], ``(n_beams,)``.
+        ranges: The scan [m], ``(n_beams,)``; below 0 for beams that were lost.
         limits: Valid readings lie between these two [m].
         size: Greatest extent along x and along y [m].
         joined: 1 for each beam that hits the same surface as the one before it, ``(3, n_beams)``.
@@ -112,16 +144,17 @@ def find_clusters(ranges: Rays, limits: Rays, size: float, joined: Rays, points:
         k += length
         if not limits[0] < ranges[first] < limits[1] or max(abs(x[first] - x[last]), abs(y[first] - y[last])) > size:
             continue
-        left, right, low, high, i = x[first], x[first], y[first], y[first], first
-        for j in range(n_points, n_points + length):
-            kept_x[j], kept_y[j] = x[i], y[i]
-            left, right, low, high = min(left, x[i]), max(right, x[i]), min(low, y[i]), max(high, y[i])
+        left, right, low, high, i, j = x[first], x[first], y[first], y[first], first, n_points
+        for _ in range(length):
+            if ranges[i] > 0.0:
+                kept_x[j], kept_y[j], j = x[i], y[i], j + 1
+                left, right, low, high = min(left, x[i]), max(right, x[i]), min(low, y[i]), max(high, y[i])
             i = i + 1 if i < n_beams - 1 else 0
         if max(right - left, high - low) <= size:
             one = clusters[count]
             one.x, one.y, one.track = 0.5 * (left + right), 0.5 * (low + high), -1
-            one.first, one.last = n_points, n_points + length
-            n_points, count = n_points + length, count + 1
+            one.first, one.last = n_points, j
+            n_points, count = j, count + 1
     return count
 
 

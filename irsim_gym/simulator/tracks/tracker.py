@@ -5,7 +5,7 @@ from typing import Any, Self
 
 import numpy as np
 
-from irsim_gym.base.arraytypes import Floats, Ints, Labels, Rays, Records
+from irsim_gym.base.arraytypes import Floats, Labels, Rays, Records
 from irsim_gym.base.kernels import kernel
 from irsim_gym.base.kernels.structs import Struct, record_type
 from irsim_gym.simulator.tracks.clusters import CLUSTER
