@@ -87,12 +87,12 @@ def follow(at: Moment, tracker: Tracker) -> None:
         tracks).
     Writes: tracker (clusters, joined, points, scans, tracks).
     """
-    row, limits, joined = at.step % tracker.scans.shape[2], tracker.limits[at.a], tracker.joined[at.slot]
+    row, joined = at.step % tracker.scans.shape[2], tracker.joined[at.slot]
     ranges, eye, kept = tracker.scans[at.w, at.a, row], tracker.eyes[at.w, at.a, row], tracker.points[at.slot, 1]
     tracks, clusters = tracker.tracks[at.w, at.a], tracker.clusters[at.slot]
-    join_beams(ranges, limits, tracker.spacing, tracker.noise[at.a], tracker.closes, joined)
-    mend(ranges, limits, tracker.spacing, tracker.noise[at.a], joined[0])
-    count = find_clusters(ranges, limits, tracker.size, joined, tracker.points[at.slot], clusters)
+    join_beams(ranges, tracker.limits[at.a], tracker.spacing, tracker.noise[at.a], tracker.closes, joined)
+    mend(ranges, tracker.spacing, tracker.noise[at.a], joined)
+    count = find_clusters(tracker.size, joined, tracker.points[at.slot], clusters)
     push_back(eye, clusters, count)
     for t in range(tracks.shape[0]):
         if tracks[t].used:
