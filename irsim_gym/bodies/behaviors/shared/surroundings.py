@@ -9,6 +9,8 @@ from irsim_gym.base.arraytypes import Floats, Ints, Point, Record, Records
 from irsim_gym.bodies.behaviors.shared.map_parts import map_discs, map_walls
 from irsim_gym.simulator.geometry.buckets import find_nearby
 from irsim_gym.simulator.geometry.overlap import point_outline_distance
+from irsim_gym.simulator.tracks.own_tracks import OwnTracks
+from irsim_gym.simulator.tracks.tracker import is_mover
 from irsim_gym.simulator.world.names import Model, State, Struct, kernel, outline_of, record_type, row_of
 
 MARGIN = 0.1
@@ -20,8 +22,8 @@ SLACK = 1.0 + 1e-12
 NOTHING, CHAIN, STANDING, ROUND = 0, 1, 2, 3
 """How a body looks: not at all, as segments without area, as its outline, as the disc around its centroid."""
 
-ALL_ROLES = 0
-"""``target_roles: all``; the role r alone is r + 1."""
+STANDING_ONLY, ALL_ROLES = -1, 0
+"""Only what never moves, of all roles; ``target_roles: all``; the role r alone is r + 1."""
 
 DISC = record_type("x y vx vy radius touch_way")
 """A disc that is seen: centre [m], velocity [m/s], radius with MARGIN [m]; how far ahead a touch is [m]."""
@@ -50,6 +52,7 @@ class Surroundings(Struct):
     """Discs and walls that one body sees; each shard has its own.
 
     Attributes:
+        tracked: What bodies see move by their own scans.
         lines: Bodies that are chains of segments, shape ``(n_lines,)``.
         nearby: Scratch for a search of bodies, shape ``(body,)``.
         rounds: Discs, records of type ``DISC``.
@@ -57,6 +60,7 @@ class Surroundings(Struct):
         discs: Scratch for the discs of a map: x, y, radius [m], shape ``(n, 3)``.
     """
 
+    tracked: OwnTracks
     lines: Ints
     nearby: Ints
     rounds: Records
@@ -64,10 +68,10 @@ class Surroundings(Struct):
     discs: Floats
 
     @classmethod
-    def reserve(cls, model: Model, n_rounds: int, n_sides: int, n_discs: int) -> Self:
+    def reserve(cls, tracked: OwnTracks, model: Model, n_rounds: int, n_sides: int, n_discs: int) -> Self:
         """Allocate memory for the given numbers of discs and walls of bodies and a map, and of discs of a map."""
         nearby, rounds = np.zeros(len(model.role), np.int64), np.zeros(n_rounds + n_discs, DISC)
-        return cls(wall_bodies(model), nearby, rounds, np.zeros((n_sides, 4)), np.zeros((n_discs, 3)))
+        return cls(tracked, wall_bodies(model), nearby, rounds, np.zeros((n_sides, 4)), np.zeros((n_discs, 3)))
 
 
 def wall_bodies(model: Model) -> Ints:
@@ -86,10 +90,10 @@ def is_seen(model: Model, w: int, b: int, q: int, target_roles: int) -> bool:
     """
     if q == b or not model.present[w, q] or not model.watchers[model.seen_row[q], b]:
         return False
-    if model.movable[q] and model.heedless[row_of(model.heedless, w), b]:
+    if model.movable[q] and (target_roles == STANDING_ONLY or model.heedless[row_of(model.heedless, w), b]):
         return False
     # Choices count from "all" = 0, roles from 0.
-    return bool(target_roles == ALL_ROLES or model.role[q] == target_roles - 1)
+    return bool(target_roles <= ALL_ROLES or model.role[q] == target_roles - 1)
 
 
 @kernel
@@ -100,7 +104,7 @@ def is_map_seen(model: Model, w: int, target_roles: int) -> bool:
     """
     chart = model.map_frame[0].body
     return bool(
-        chart >= 0 and model.present[w, chart] and (target_roles == ALL_ROLES or model.role[chart] == target_roles - 1)
+        chart >= 0 and model.present[w, chart] and (target_roles <= ALL_ROLES or model.role[chart] == target_roles - 1)
     )
 
 
@@ -184,7 +188,7 @@ def look_around(
         state: Current state of the worlds.
         w: World.
         b: Body that looks.
-        target_roles: ALL_ROLES, or the role that the body sees plus 1.
+        target_roles: ALL_ROLES, STANDING_ONLY, or the role that the body sees plus 1.
         sight: Range of sight [m].
         seen: Surroundings; ``rounds`` and ``sides`` are written.
     """
@@ -214,6 +218,18 @@ def look_around(
             write_disc(rounds[n_rounds], disc[0], disc[1], 0.0, 0.0, disc[2] + MARGIN)
             n_rounds += 1
     return n_rounds, n_sides
+
+
+@kernel
+def add_tracks(tracks: Records, pose: Floats, sight: float, rounds: Records, n_rounds: int) -> int:
+    """Append what scans show to move, nearer than ``sight`` [m], to ``rounds``; return the new number of discs."""
+    for t in range(tracks.shape[0]):
+        one = tracks[t]
+        dx, dy = one.x - pose[0], one.y - pose[1]
+        if is_mover(one) and dx * dx + dy * dy < sight * sight:
+            write_disc(rounds[n_rounds], one.x, one.y, one.vx, one.vy, one.radius + MARGIN)
+            n_rounds += 1
+    return n_rounds
 
 
 @kernel
