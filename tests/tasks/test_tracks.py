@@ -58,6 +58,14 @@ def test_a_body_that_passes_is_seen_where_it_is_and_as_fast_as_it_is() -> None:
     assert seen == pytest.approx(told, abs=2e-3)
 
 
+def test_pictures_show_a_track_and_where_it_goes() -> None:
+    stand(episodes := watch(mover(5, 8, (5, 1))), 10)
+    circle, arrow, key = episodes.simulation.marks(0)
+    assert np.hypot(*(circle.points - [5.0, 7.0]).T) == pytest.approx(0.2, abs=5e-3)
+    assert arrow.points[:2] == pytest.approx(np.array([[5.0, 7.0], [5.0, 6.0]]), abs=5e-3)
+    assert key.text.startswith("seen to move")
+
+
 def test_before_it_is_known_to_move_nothing_is_seen() -> None:
     seen, _ = stand(watch(mover(5, 8, (5, 1))), 1)
     far = (1.0 / (np.hypot(10.0, 10.0) + 0.5) - 0.3) / 1.7

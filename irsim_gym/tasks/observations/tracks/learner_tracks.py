@@ -30,7 +30,9 @@ def learners_tracker(options: Any, simulation: Simulation, agents: Ints, name: s
         name: Name of the observation.
     """
     scan, dt = own_scan(*shared_sensors(simulation, agents, name)), float(simulation.model.step_time[0])
-    return Tracker.over(scan, simulation.shards.n_slots, dt, options.size, options.accel, options.keep)
+    tracker = Tracker.over(scan, simulation.shards.n_slots, dt, options.size, options.accel, options.keep)
+    simulation.trackers.append(tracker)
+    return tracker
 
 
 def share_tracks(options: Any, term: Term, earlier: Sequence[Term]) -> None:
@@ -67,10 +69,10 @@ def follow_all(
     """Bring the tracks up to the latest scans, unless they are.
 
     Reads: tracker (accel, closes, clusters, eyes, joined, keep, limits, noise, noted, points, scan, scans, size,
-        spacing, tracks), model (step_time), state (pose), episode (steps).
+        spacing, tracks), model (step_time), state (pose, step).
     Writes: tracker (clusters, eyes, joined, noted, points, scans, tracks).
     """
     for w in worlds:
         for a in range(agents.shape[0]):
-            at = Moment(w, a, episode.steps[w, a], slot, model.step_time[0])
+            at = Moment(w, a, state.step[w], slot, model.step_time[0])
             follow_scan(at, state.pose[w, agents[a]], tracker)
