@@ -5,14 +5,9 @@ from typing import Self
 
 import numpy as np
 
-from irsim_gym.base.arraytypes import Flags, Ints, Records
-from irsim_gym.base.kernels import kernel
-from irsim_gym.base.kernels.structs import Struct
 from irsim_gym.simulator.tracks.following import Moment, follow_scan
 from irsim_gym.simulator.tracks.tracker import TRACK, Tracker, forget_tracks
-from irsim_gym.simulator.world.group import Group, Shard
-from irsim_gym.simulator.world.model import Model
-from irsim_gym.simulator.world.state import State
+from irsim_gym.simulator.world.names import Flags, Group, Ints, Model, Records, Shard, State, Struct, kernel
 
 
 @dataclass
@@ -46,10 +41,10 @@ class OwnTracks(Struct):
         tracker = Tracker.over(group.scan.select(np.flatnonzero(chosen)), n_slots, float(model.step_time[0]))
         return cls(row, tracker.tracks, tracker)
 
-    def follow(self, members: Ints, model: Model, state: State, shard: Shard) -> None:
-        """Bring the tracks of some bodies up to their latest scans."""
+    def follow(self, group: Group, model: Model, state: State, shard: Shard) -> None:
+        """Bring the tracks of the members of a group up to their latest scans."""
         if self.tracker is not None:
-            follow_members(shard.worlds, shard.slot, members, self.row, self.tracker, model, state)
+            follow_members(shard.worlds, shard.slot, group.members, self.row, self.tracker, model, state)
 
     def forget(self, shard: Shard) -> None:
         """Delete the tracks of worlds that begin."""

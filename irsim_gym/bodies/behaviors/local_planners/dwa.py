@@ -104,7 +104,7 @@ class Dwa(RenewsGoals):
     def begin(group: Group, shard: Shard) -> None:
         """Clear the paths and turns."""
         tables, turns = group.tables[shard.slot]
-        tables.tracked.forget(shard)
+        group.tracked.forget(shard)
         forget_ways(shard.worlds, tables.ways)
         forget_turns(shard.worlds, turns)
 
@@ -113,6 +113,6 @@ class Dwa(RenewsGoals):
         """Write the members' commands."""
         tables, turns = group.tables[shard.slot]
         worlds, members, params, scan = shard.worlds, group.members, group.params, group.scan
-        tables.tracked.follow(members, model, state, shard)
+        group.tracked.follow(group, model, state, shard)
         find_paths(worlds, members, params, scan, model, model.cells, state, tables)
         decide_dwa(worlds, members, params, scan, model, state, tables, turns)

@@ -63,16 +63,11 @@ class OrcaGroup(SeesMovers):
         ]
 
     @staticmethod
-    def begin(group: Group, shard: Shard) -> None:
-        """Delete the tracks."""
-        group.tables[0].tracked.forget(shard)
-
-    @staticmethod
     def decide(group: Group, model: Model, state: State, shard: Shard) -> None:
         """Write the members' commands and ``state.plan``; all see each other as they were before."""
         tables = group.tables[shard.slot]
         if len(tables.deciding):
-            tables.tracked.follow(tables.deciding, model, state, shard)
+            group.tracked.follow(group, model, state, shard)
             plan = plan_velocities if tables.tracked.tracker is None else plan_on_tracks
             plan(shard.worlds, group.params, model, state, tables)
             command_plans(shard.worlds, model, state, tables)

@@ -12,14 +12,7 @@ from irsim_gym.bodies.behaviors.rvo.penalty import least_penalty
 from irsim_gym.bodies.behaviors.shared.map_parts import most_map_discs, most_map_walls
 from irsim_gym.bodies.behaviors.shared.sees import SeesMovers, tracks_of
 from irsim_gym.bodies.behaviors.shared.steering import Turning, clear_command, to_command, wanted_velocity
-from irsim_gym.bodies.behaviors.shared.surroundings import (
-    MARGIN,
-    STANDING_ONLY,
-    Ego,
-    Surroundings,
-    add_tracks,
-    look_around,
-)
+from irsim_gym.bodies.behaviors.shared.surroundings import MARGIN, Ego, Surroundings, look_around
 from irsim_gym.simulator.tracks.own_tracks import OwnTracks
 from irsim_gym.simulator.tracks.tracker import SLOTS, TRACK
 from irsim_gym.simulator.world.group import Group, Shard, records
@@ -72,16 +65,10 @@ class Rvo(SeesMovers):
         group.tables = [reserve_tables(Surroundings.reserve(*room), n_cones, n_samples) for _ in range(n_slots)]
 
     @staticmethod
-    def begin(group: Group, shard: Shard) -> None:
-        """Delete the tracks."""
-        group.tables[0].seen.tracked.forget(shard)
-
-    @staticmethod
     def decide(group: Group, model: Model, state: State, shard: Shard) -> None:
         """Write the members' commands."""
-        tables = group.tables[shard.slot]
-        tables.seen.tracked.follow(group.members, model, state, shard)
-        decide_rvo(shard.worlds, group.members, group.params, model, state, tables)
+        group.tracked.follow(group, model, state, shard)
+        decide_rvo(shard.worlds, group.members, group.params, model, state, group.tables[shard.slot])
 
 
 def _most_samples(params: Any) -> int:
@@ -131,13 +118,9 @@ def decide_rvo(worlds: Ints, members: Ints, params: Any, model: Model, state: St
             clear_command(state, w, b)
             if not model.has_goal[b] or not model.present[w, b]:
                 continue
-            tracked, sight = tables.seen.tracked, options.neighbor_threshold
-            a, pose = tracked.row[b], state.pose[w, b]
-            roles = options.target_roles if a < 0 else STANDING_ONLY
+            roles, sight = options.target_roles, options.neighbor_threshold
             n_rounds, n_sides = look_around(model, state, w, b, roles, sight, tables.seen)
-            if a >= 0 and not model.heedless[row_of(model.heedless, w), b]:
-                n_rounds = add_tracks(tracked.tracks[w, a], pose, sight, tables.seen.rounds, n_rounds)
-            twist, radius = state.twist[w, b], model.radius[row_of(model.radius, w), b]
+            pose, twist, radius = state.pose[w, b], state.twist[w, b], model.radius[row_of(model.radius, w), b]
             ego = Ego(pose[0], pose[1], twist[0], twist[1], radius + MARGIN)
             preferred = wanted_velocity(model, state, w, b)
             rounds, sides = tables.seen.rounds[:n_rounds], tables.seen.sides[:n_sides]

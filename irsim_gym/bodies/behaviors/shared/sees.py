@@ -7,7 +7,7 @@ import numpy as np
 from irsim_gym.base.arraytypes import Flags
 from irsim_gym.scenario.specs.wander_goals import RenewsGoals
 from irsim_gym.simulator.tracks.own_tracks import OwnTracks
-from irsim_gym.simulator.world.names import Group, Model, kind, option
+from irsim_gym.simulator.world.names import Group, Model, Shard, kind, option
 
 
 @kind
@@ -24,6 +24,11 @@ class SeesMovers(RenewsGoals):
     def reads_scan(self) -> bool:
         """Whether the body needs a range sensor."""
         return self.sees == "tracks"
+
+    @staticmethod
+    def begin(group: Group, shard: Shard) -> None:
+        """Delete the tracks."""
+        group.tracked.forget(shard)
 
 
 def tracks_of(group: Group, model: Model, n_slots: int, decides: Flags | bool = True) -> OwnTracks:

@@ -22,8 +22,8 @@ SLACK = 1.0 + 1e-12
 NOTHING, CHAIN, STANDING, ROUND = 0, 1, 2, 3
 """How a body looks: not at all, as segments without area, as its outline, as the disc around its centroid."""
 
-STANDING_ONLY, ALL_ROLES = -1, 0
-"""Only what never moves, of all roles; ``target_roles: all``; the role r alone is r + 1."""
+ALL_ROLES = 0
+"""``target_roles: all``; the role r alone is r + 1."""
 
 DISC = record_type("x y vx vy radius touch_way")
 """A disc that is seen: centre [m], velocity [m/s], radius with MARGIN [m]; how far ahead a touch is [m]."""
@@ -90,10 +90,10 @@ def is_seen(model: Model, w: int, b: int, q: int, target_roles: int) -> bool:
     """
     if q == b or not model.present[w, q] or not model.watchers[model.seen_row[q], b]:
         return False
-    if model.movable[q] and (target_roles == STANDING_ONLY or model.heedless[row_of(model.heedless, w), b]):
+    if model.movable[q] and model.heedless[row_of(model.heedless, w), b]:
         return False
     # Choices count from "all" = 0, roles from 0.
-    return bool(target_roles <= ALL_ROLES or model.role[q] == target_roles - 1)
+    return bool(target_roles == ALL_ROLES or model.role[q] == target_roles - 1)
 
 
 @kernel
@@ -104,7 +104,7 @@ def is_map_seen(model: Model, w: int, target_roles: int) -> bool:
     """
     chart = model.map_frame[0].body
     return bool(
-        chart >= 0 and model.present[w, chart] and (target_roles <= ALL_ROLES or model.role[chart] == target_roles - 1)
+        chart >= 0 and model.present[w, chart] and (target_roles == ALL_ROLES or model.role[chart] == target_roles - 1)
     )
 
 
@@ -176,11 +176,12 @@ def look_around(
 
     Most bodies count as the disc around their centroid, and are seen if the centroid is closer than ``sight`` [m].
     Bodies that never move and have sides count as their outline, and are seen if any part of it is closer. Chains of
-    segments are always seen, the walls of a map only nearby. Discs of a map count as standing discs.
+    segments are always seen, the walls of a map only nearby. Discs of a map count as standing discs. With ``sees:
+    tracks``, tracks stand for what can move.
 
     Reads: model (bucket_frame, centroid, disc_count, disc_start, heedless, map_disc, map_frame, map_squares, movable,
         present, radius, reach, role, seen_row, segment_count, segment_start, solid, watchers), state (bucket_first,
-        bucket_next, discs, pose, segments, twist), seen (discs, lines, nearby).
+        bucket_next, discs, pose, segments, twist), seen (discs, lines, nearby, tracked).
     Writes: seen (discs, nearby, rounds, sides).
 
     Args:
@@ -188,15 +189,19 @@ def look_around(
         state: Current state of the worlds.
         w: World.
         b: Body that looks.
-        target_roles: ALL_ROLES, STANDING_ONLY, or the role that the body sees plus 1.
+        target_roles: ALL_ROLES, or the role that the body sees plus 1.
         sight: Range of sight [m].
         seen: Surroundings; ``rounds`` and ``sides`` are written.
     """
     x, y, rounds = state.pose[w, b, 0], state.pose[w, b, 1], seen.rounds
-    n_rounds, n_sides = 0, 0
+    n_rounds, n_sides, a = 0, 0, seen.tracked.row[b]
+    if a >= 0 and not model.heedless[row_of(model.heedless, w), b]:
+        n_rounds = add_tracks(seen.tracked.tracks[w, a], x, y, sight, rounds)
     for k in range(find_around(model, state, w, b, sight, seen.nearby)):
         q = seen.nearby[k]
         if is_far(model, state, w, b, q, sight) or not is_seen(model, w, b, q, target_roles):
+            continue
+        if a >= 0 and model.movable[q]:
             continue
         look = look_of(model, w, q)
         if look == STANDING and point_outline_distance((x, y), outline_of(model, state, w, q)) < sight:
@@ -221,11 +226,12 @@ def look_around(
 
 
 @kernel
-def add_tracks(tracks: Records, pose: Floats, sight: float, rounds: Records, n_rounds: int) -> int:
-    """Append what scans show to move, nearer than ``sight`` [m], to ``rounds``; return the new number of discs."""
+def add_tracks(tracks: Records, x: float, y: float, sight: float, rounds: Records) -> int:
+    """Write what scans show to move, nearer than ``sight`` [m], to ``rounds``; return the number of discs."""
+    n_rounds = 0
     for t in range(tracks.shape[0]):
         one = tracks[t]
-        dx, dy = one.x - pose[0], one.y - pose[1]
+        dx, dy = one.x - x, one.y - y
         if is_mover(one) and dx * dx + dy * dy < sight * sight:
             write_disc(rounds[n_rounds], one.x, one.y, one.vx, one.vy, one.radius + MARGIN)
             n_rounds += 1

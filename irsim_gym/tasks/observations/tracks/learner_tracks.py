@@ -20,7 +20,7 @@ TOLD: Mapping[str, bool] = {"moving": True}
 """What a substitute for a missing sensor is given beside the options that it shares."""
 
 
-def learners_tracker(options: Any, simulation: Simulation, agents: Ints, name: str) -> Tracker:
+def new_tracker(options: Any, simulation: Simulation, agents: Ints, name: str) -> Tracker:
     """Return a tracker for learners that has seen nothing yet.
 
     Args:

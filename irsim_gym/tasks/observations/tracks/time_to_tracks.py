@@ -10,17 +10,7 @@ from irsim_gym.base.arraytypes import Ints
 from irsim_gym.simulator.tracks.tracker import Tracker, is_mover
 from irsim_gym.tasks.observations.bodies.time_to_collision import MovingPoint, ObservesTimes, Velocities, meet_disc
 from irsim_gym.tasks.observations.scan.ranges import WITHOUT_SENSOR
-from irsim_gym.tasks.observations.tracks.learner_tracks import (
-    ACCEL,
-    KEEP,
-    NEEDS,
-    SIZE,
-    TOLD,
-    begin_tracks,
-    follow_all,
-    learners_tracker,
-    share_tracks,
-)
+from irsim_gym.tasks.observations.tracks import learner_tracks
 from irsim_gym.tasks.terms import Bound, EpisodeState, Model, Shard, Simulation, State, Struct, Term, kernel, kind
 from irsim_gym.tasks.terms.term import Needs
 
@@ -37,25 +27,25 @@ class TrackedTimes(Struct):
 class TimeToTracks(ObservesTimes):
     """Time until a disc around the agent touches a body of ``tracks``, with the columns of ``time_to_collision``."""
 
-    needs: ClassVar[Needs] = NEEDS
-    told: ClassVar[Mapping[str, bool]] = TOLD
+    needs: ClassVar[Needs] = learner_tracks.NEEDS
+    told: ClassVar[Mapping[str, bool]] = learner_tracks.TOLD
 
-    size: float = SIZE
-    accel: float = ACCEL
-    keep: float = KEEP
+    size: float = learner_tracks.SIZE
+    accel: float = learner_tracks.ACCEL
+    keep: float = learner_tracks.KEEP
     without_sensor: str | tuple[str, ...] = WITHOUT_SENSOR
 
-    join, begin = share_tracks, staticmethod(begin_tracks)
+    join, begin = learner_tracks.share_tracks, staticmethod(learner_tracks.begin_tracks)
 
     def arrays(self, simulation: Simulation, agents: Ints) -> TrackedTimes:
         """Return the tracks, the velocities in the body frame and the radii of the discs around the agents."""
-        tracker = learners_tracker(self, simulation, agents, "time_to_tracks")
+        tracker = learner_tracks.new_tracker(self, simulation, agents, "time_to_tracks")
         return TrackedTimes(tracker, self.velocities(simulation.model, agents))
 
     @staticmethod
     def write(term: Term, model: Model, state: State, episode: EpisodeState, shard: Shard) -> None:
         """Follow the tracks, and write the nearness of the first collision for each velocity."""
-        follow_all(shard.worlds, shard.slot, term.agents, term.arrays.tracker, model, state, episode)
+        learner_tracks.follow_all(shard.worlds, shard.slot, term.agents, term.arrays.tracker, model, state, episode)
         write_track_times(shard.worlds, term.bound, term.arrays, state, episode)
 
 

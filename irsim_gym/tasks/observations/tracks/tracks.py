@@ -20,17 +20,7 @@ from irsim_gym.tasks.observations.bodies.nearest_bodies import (
     write_motion,
 )
 from irsim_gym.tasks.observations.scan.ranges import WITHOUT_SENSOR
-from irsim_gym.tasks.observations.tracks.learner_tracks import (
-    ACCEL,
-    KEEP,
-    NEEDS,
-    SIZE,
-    TOLD,
-    begin_tracks,
-    follow_all,
-    learners_tracker,
-    share_tracks,
-)
+from irsim_gym.tasks.observations.tracks import learner_tracks
 from irsim_gym.tasks.terms import Bound, EpisodeState, Model, Shard, Simulation, State, Struct, Term, kernel, kind
 from irsim_gym.tasks.terms.term import Needs
 
@@ -52,24 +42,24 @@ class Tracks(ObservesNearest):
     is free now. From then on it counts while it is seen, and for ``keep`` where others hide it.
     """
 
-    needs: ClassVar[Needs] = NEEDS
-    told: ClassVar[Mapping[str, bool]] = TOLD
+    needs: ClassVar[Needs] = learner_tracks.NEEDS
+    told: ClassVar[Mapping[str, bool]] = learner_tracks.TOLD
 
-    size: float = SIZE
-    accel: float = ACCEL
-    keep: float = KEEP
+    size: float = learner_tracks.SIZE
+    accel: float = learner_tracks.ACCEL
+    keep: float = learner_tracks.KEEP
     without_sensor: str | tuple[str, ...] = WITHOUT_SENSOR
 
-    join, begin = share_tracks, staticmethod(begin_tracks)
+    join, begin = learner_tracks.share_tracks, staticmethod(learner_tracks.begin_tracks)
 
     def arrays(self, simulation: Simulation, agents: Ints) -> Tracked:
         """Return the tracks and scratch memory."""
-        return Tracked(learners_tracker(self, simulation, agents, "tracks"), nearest_memory(self, simulation))
+        return Tracked(learner_tracks.new_tracker(self, simulation, agents, "tracks"), nearest_memory(self, simulation))
 
     @staticmethod
     def write(term: Term, model: Model, state: State, episode: EpisodeState, shard: Shard) -> None:
         """Follow the tracks, and write the numbers of the nearest ones."""
-        follow_all(shard.worlds, shard.slot, term.agents, term.arrays.tracker, model, state, episode)
+        learner_tracks.follow_all(shard.worlds, shard.slot, term.agents, term.arrays.tracker, model, state, episode)
         write_tracks(shard.worlds, shard.slot, term.bound, term.arrays, model, state, episode)
 
 
