@@ -35,5 +35,5 @@ def tracks_of(group: Group, model: Model, n_slots: int, decides: Flags | bool = 
     """Note and return the tracks of the members with ``sees: tracks`` that decide, and have a sensor."""
     by_tracks = np.array([options.sees == "tracks" for options in group.options], np.bool_)
     has_sensor = False if group.scan is None else group.scan.sensors >= 0
-    group.tracked = OwnTracks.over(group, by_tracks & has_sensor & decides, model, n_slots)
-    return group.tracked
+    tracked = group.tracked = OwnTracks.over(group, by_tracks & has_sensor & decides, model, n_slots)
+    return tracked
