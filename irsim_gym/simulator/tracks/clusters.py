@@ -103,6 +103,8 @@ def mend(ranges: Rays, spacing: float, noise: float, joined: Rays) -> None:
         joined: As ``join_beams`` leaves it, ``(3, n_beams)``; the first row is written.
     """
     n, step, same, inverse, ends = ranges.shape[0], 2.0 * LARGEST * spacing, joined[0], joined[1], joined[2]
+    if n < 4:
+        return
     flag_gaps(inverse[: n - 3], inverse[1 : n - 2], inverse[2 : n - 1], inverse[3:], ends)
     for i in range(3, n):
         if ends[i - 3] == 0.0:
