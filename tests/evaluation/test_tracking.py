@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from command_line import run
 
+from irsim_gym.cli.tools import scenario_request
 from irsim_gym.evaluation.comparison.tracking import GOOD, NEAR, measure_tracks
 from irsim_gym.evaluation.requests.scenario_request import ScenarioRequest
 
@@ -21,10 +22,12 @@ def test_nine_of_ten_velocities_are_right_after_half_a_second(scenario: str) -> 
 
 
 @pytest.mark.parametrize("scenario", ["cluttered_room", "jaxnav_single"])
-def test_what_stands_makes_less_than_a_track_a_minute(scenario: str) -> None:
-    found = measure_tracks(ScenarioRequest(scenario), 20, "dev")
+@pytest.mark.parametrize(("chance", "most"), [(0.0, 1.0), (0.1, 3.0)], ids=["all beams", "a tenth is lost"])
+def test_what_stands_makes_few_tracks_a_minute(scenario: str, chance: float, most: float) -> None:
+    request = scenario_request(scenario, None, False, None, False, [f"lost_beams:chance={chance}"])
+    found = measure_tracks(request, 20, "dev")
     assert sum(map(len, found.away)) == 0
-    assert found.false <= found.minutes
+    assert found.false <= most * found.minutes
 
 
 def test_the_command_prints_shares_by_distance(

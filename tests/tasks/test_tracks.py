@@ -9,8 +9,8 @@ import pytest
 from task_tools import BALL, ROBOT, drive, play
 
 from irsim_gym.robot.policy_graph import _reasons
+from irsim_gym.simulator.tracks.tracker import PROOFS
 from irsim_gym.tasks import Episodes
-from irsim_gym.tasks.observations.tracks.tracker import PROOFS
 
 STAND = (-1.0, 0.0)
 ROOM = {"shape": {"name": "linestring", "vertices": [[0, 0], [10, 0], [10, 10], [0, 10], [0, 0]]}, "state": [0, 0, 0]}
@@ -56,6 +56,14 @@ def test_a_body_that_passes_is_seen_where_it_is_and_as_fast_as_it_is() -> None:
     gap = (1.0 / (away - 0.4 + 0.5) - 0.3) / 1.7
     assert seen[0] == pytest.approx([3.0 / away, 2.0 / away, gap, 0.0, -0.5], abs=2e-3)
     assert seen == pytest.approx(told, abs=2e-3)
+
+
+def test_pictures_show_a_track_and_where_it_goes() -> None:
+    stand(episodes := watch(mover(5, 8, (5, 1))), 10)
+    circle, arrow, key = episodes.simulation.marks(0)
+    assert np.hypot(*(circle.points - [5.0, 7.0]).T) == pytest.approx(0.2, abs=5e-3)
+    assert arrow.points[:2] == pytest.approx(np.array([[5.0, 7.0], [5.0, 6.0]]), abs=5e-3)
+    assert key.text.startswith("seen to move")
 
 
 def test_before_it_is_known_to_move_nothing_is_seen() -> None:

@@ -26,7 +26,7 @@ NITEMS, DATA, SHAPE, STRIDES = 2, 4, 5, 6
 
 
 class KernelValue:
-    """A value of several parts, which are made where they are needed: an array, or what goes through a range.
+    """An array of Numba, whose parts are made where they are needed.
 
     Args:
         kind: Numba's type of it.
@@ -47,9 +47,7 @@ class KernelValue:
         return whole
 
 
-BOOL = "Function(<class 'bool'>)"
 POWERS = operator.pow, operator.ipow
-LOOP = "getiter", "iternext", "pair_first", "pair_second"
 
 
 class KernelLower(Lower):  # type: ignore[misc]
@@ -106,40 +104,7 @@ class KernelLower(Lower):  # type: ignore[misc]
             return KernelValue(resty, lambda axis: array.part(SHAPE, axis)).whole(self.context, self.builder)
         if expr.op == "static_getitem" and isinstance(self.typeof(expr.value.name), types.Array) and expr.index_var:
             return self.lower_getitem(resty, expr, expr.value, expr.index_var, self.fndesc.calltypes[expr])
-        steps = self._parts.get(expr.value.name) if expr.op in LOOP else None
-        if steps is None or isinstance(steps.kind, types.Array):
-            return super().lower_expr(resty, expr)
-        if expr.op in ("getiter", "iternext"):
-            return self._first(resty, steps) if expr.op == "getiter" else self._next(resty, steps)
-        return steps.part(0 if expr.op == "pair_first" else 1)
-
-    def _lower_call_normal(self, fnty: Any, expr: Any, signature: Any) -> Any:
-        """Return what a call does: the truth of a flag is the flag; a range with steps of 1 is its start and stop."""
-        if fnty.name == BOOL and signature.args == (types.boolean,):
-            return self.loadvar(expr.args[0].name)
-        if not isinstance(signature.return_type, types.RangeType) or len(signature.args) > 2:
-            return super()._lower_call_normal(fnty, expr, signature)
-        *start, stop = self.fold_call_args(fnty, signature, expr.args, expr.vararg, expr.kws)
-        parts = *(start or [stop.type(0)]), stop, stop.type(1)
-        return KernelValue(signature.return_type, lambda k: parts[k])
-
-    def _first(self, kind: Any, steps: KernelValue) -> KernelValue:
-        """Begin to go through a range: where the next number is, stop, step, and where the count of those left is."""
-        build, start, stop = self.builder, steps.part(0), steps.part(1)
-        number, left = (pointers.alloca_once(build, stop.type) for _ in range(2))
-        length, zero = build.sub(stop, start), stop.type(0)
-        build.store(start, number)
-        build.store(build.select(build.icmp_signed(">", length, zero), length, zero), left)
-        parts = number, stop, stop.type(1), left
-        return KernelValue(kind, lambda k: parts[k])
-
-    def _next(self, kind: Any, steps: KernelValue) -> KernelValue:
-        """Take the next number, and whether there is one."""
-        build, left, number = self.builder, self.builder.load(steps.part(3)), self.builder.load(steps.part(0))
-        build.store(build.sub(left, left.type(1), flags=["nsw"]), steps.part(3))
-        build.store(build.add(number, left.type(1)), steps.part(0))
-        parts = number, build.icmp_signed(">", left, left.type(0))
-        return KernelValue(kind, lambda k: parts[k])
+        return super().lower_expr(resty, expr)
 
     def lower_binop(self, resty: Any, expr: Any, op: Any) -> Any:
         """Return the value of an operation; that of two numbers, other than a power, is what it was resolved to."""

@@ -161,10 +161,6 @@ class PackedLibrary(Library):  # type: ignore[misc]
         self._final_module.link_in(binding.parse_assembly(entry_code(self.name, kernel.name, types, self._layout)))
         self._final_module.get_function(kernel.name).linkage = "internal"
 
-    def _optimize_functions(self, ll_module: Any) -> None:
-        """Do nothing but what the rest relies on: the module's passes begin with those for functions."""
-        ll_module.data_layout = self._codegen._data_layout
-
     def _finalize_final_module(self) -> None:
         """Load the code as Numba does, and note whether it reads an environment, which holds Python objects."""
         # Every definition mentions its name once; a further mention is code that reads it.

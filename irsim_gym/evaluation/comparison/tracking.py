@@ -9,9 +9,9 @@ from rich.table import Table
 from irsim_gym.base.arraytypes import Flags, Floats, Ints
 from irsim_gym.evaluation.protocol.tables import figure_table
 from irsim_gym.evaluation.requests.scenario_request import ScenarioRequest
+from irsim_gym.simulator.tracks.tracker import PROOFS
 from irsim_gym.simulator.world.own_scan import find_hits
 from irsim_gym.tasks import Episodes
-from irsim_gym.tasks.observations.tracks.tracker import PROOFS
 
 TASK = {"name": "blank", "observations": ["tracks"], "max_steps": 300}
 LEAST_BEAMS, SEEN_FOR, HELD_FOR = 2, 0.5, 1.0

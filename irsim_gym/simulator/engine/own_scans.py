@@ -48,6 +48,7 @@ def own_scan(sensors: Group, members: Ints) -> OwnScan:
     angles = np.array([sensor.angles() for sensor in sensors.options], np.float64) + offset[:, 2:]
     near = np.array([getattr(sensor, "range_min", 0.0) for sensor in sensors.options], np.float64)
     far = np.array([getattr(sensor, "range_max", np.inf) for sensor in sensors.options], np.float64)
+    std = [getattr(sensor, "std", 0.0) if getattr(sensor, "noise", False) else 0.0 for sensor in sensors.options]
     scan: dict[str, Any] = {"ranges": sensors.arrays[RANGES], "angles": angles, "offset": offset}
     beams = {"beams_x": np.cos(angles), "beams_y": np.sin(angles), "range_min": near, "range_max": far}
-    return OwnScan(sensors=members, **scan, **beams)
+    return OwnScan(sensors=members, noise=np.array(std, np.float64), **scan, **beams)

@@ -1,7 +1,7 @@
 """The simulator: many worlds of one scenario, stepped together."""
 
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -13,12 +13,13 @@ from irsim_gym.simulator.contact import body_buckets, contact
 from irsim_gym.simulator.engine import field_of_view
 from irsim_gym.simulator.engine.collect import make_context
 from irsim_gym.simulator.engine.given import check_bodies, check_commands, check_level
-from irsim_gym.simulator.engine.world_marks import contact_marks, marks_of
+from irsim_gym.simulator.engine.world_marks import contact_marks, marks_of, track_marks
 from irsim_gym.simulator.running.fused import Fused, Recordings, only_kernels
 from irsim_gym.simulator.running.shards import Shards
 from irsim_gym.simulator.step import disturbances, outlines, respawn, restart
 from irsim_gym.simulator.step.parts import Parts
 from irsim_gym.simulator.step.step import Orders, advance, refresh
+from irsim_gym.simulator.tracks.tracker import Tracker
 from irsim_gym.simulator.world.group import Group, Shard, WorldContext, find_sensor
 from irsim_gym.simulator.world.names import Flags, Floats, Ints, Model, State, Words
 
@@ -35,6 +36,7 @@ class Simulation:
         agents: Bodies that are commanded from outside, shape ``(n_agents,)``.
         shards: The division of labour.
         fused: Steps are recorded and replayed as one call where that is possible; False for the plain path.
+        trackers: What follows bodies in scans for learners and policies; pictures show their tracks.
     """
 
     scenario: Scenario
@@ -44,6 +46,7 @@ class Simulation:
     agents: Ints
     shards: Shards
     fused: bool = True
+    trackers: list[Tracker] = field(default_factory=list)
 
     def __post_init__(self) -> None:
         self._recordings = Recordings()
@@ -92,10 +95,12 @@ class Simulation:
         return self.state if belief is None else belief.state
 
     def marks(self, world: int) -> tuple[Any, ...]:
-        """Return marks, for a renderer: believed outlines, blind sectors, and contacts that bodies feel."""
+        """Return marks, for a renderer: believed outlines, blind sectors, tracks, and contacts that bodies feel."""
         parts = self.parts
         felt = contact_marks(parts.sensors, parts.pushing, world)
-        return (*marks_of(parts.disturbances, self.model, self.state, world), *felt)
+        own = [group.tracked.tracker for group in (*parts.behaviors, *parts.group_behaviors) if group.tracked]
+        tracks = track_marks([*filter(None, own), *self.trackers], self.model, self.state, world)
+        return (*marks_of(parts.disturbances, self.model, self.state, world), *tracks, *felt)
 
     @property
     def known(self) -> Model:

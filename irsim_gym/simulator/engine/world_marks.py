@@ -1,17 +1,19 @@
-"""What pictures show over a world: where robots believe to be, where their scanners are blind, what they feel."""
+"""What pictures show over a world: where robots believe to be, are blind, see others move, and what they feel."""
 
 from collections.abc import Iterator, Sequence
 
 import numpy as np
 
 from irsim_gym.simulator.pushing.memory import Pushing
-from irsim_gym.simulator.readings.marks import LineMark, Mark, PointsMark
+from irsim_gym.simulator.readings.marks import LineMark, Mark, PointsMark, TextMark
 from irsim_gym.simulator.step.disturbances import Disturbances
+from irsim_gym.simulator.tracks.tracker import Tracker, is_mover
 from irsim_gym.simulator.world.names import Group, Model, State
 from irsim_gym.simulator.world.outline import corner_points, outline_rows, placed
 
-BELIEVED, BLIND = "#7C3AED", "#64748B"
-"""Colours of believed outlines and of blind sectors."""
+BELIEVED, BLIND, TRACKED = "#7C3AED", "#64748B", "#DB2777"
+"""Colours of believed outlines, of blind sectors and of tracks."""
+RIM = np.exp(2j * np.pi * np.arange(24) / 24.0)
 CONTACTS = 5.0
 """Layer of contacts."""
 
@@ -19,6 +21,24 @@ CONTACTS = 5.0
 def marks_of(found: Disturbances, model: Model, state: State, w: int) -> tuple[LineMark, ...]:
     """Return marks over a world: dashed outlines at believed poses, shaded sectors where scanners are blind."""
     return (*_blind_sectors(found, model, state, w), *_believed(found, model, w))
+
+
+def track_marks(trackers: Sequence[Tracker], model: Model, state: State, w: int) -> Iterator[Mark]:
+    """Yield a circle for each track that moves, dotted while it is not seen, an arrow to where it is in 1 s, and a key.
+
+    Only tracks are shown that somebody has followed in this step or the one before.
+    """
+    for tracker in trackers:
+        for a in np.flatnonzero((tracker.noted[w] >= 0) & (state.step[w] - tracker.noted[w] < 2)).tolist():
+            for one in filter(is_mover, tracker.tracks[w, a]):
+                place, move = one.x + 1j * one.y, one.vx + 1j * one.vy
+                head = place + move * np.array([0.0, 1.0, 0.8 + 0.1j, 1.0, 0.8 - 0.1j])
+                for line, closed in ((place + one.radius * RIM, True), (head, False)):
+                    points, style = np.column_stack([line.real, line.imag]), "solid" if one.lost == 0.0 else "dotted"
+                    yield LineMark(points, TRACKED, 1.0, 1.5, style, closed, "", CONTACTS)
+    if trackers:
+        x, y = (model.bounds[:2] + 0.02 * (model.bounds[2:] - model.bounds[:2])).tolist()
+        yield TextMark(x, y, "seen to move, and where to in 1 s", TRACKED, 1.0, 7.0, "left", CONTACTS)
 
 
 def contact_marks(sensors: Sequence[Group], pushing: Pushing | None, w: int) -> Iterator[Mark]:

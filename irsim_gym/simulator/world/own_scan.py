@@ -28,6 +28,7 @@ class OwnScan(Struct):
         offset: Mount poses in the body frame [m, m, rad], shape ``(n_sensors, 3)``.
         range_min: Readings up to this are not valid [m], shape ``(n_sensors,)``.
         range_max: Range of a beam that hits nothing [m], shape ``(n_sensors,)``.
+        noise: Standard deviation of the readings as the file says [m], shape ``(n_sensors,)``.
     """
 
     sensors: Ints
@@ -38,6 +39,7 @@ class OwnScan(Struct):
     offset: Floats
     range_min: Floats
     range_max: Floats
+    noise: Floats
 
     def select(self, chosen: Ints) -> Self:
         """Return the scans of some of the members, by their numbers.

@@ -34,6 +34,7 @@ def one_beam(reading: float) -> OwnScan:
         offset=np.zeros((1, 3)),
         range_min=np.zeros(1),
         range_max=np.full(1, RANGE),
+        noise=np.zeros(1),
     )
 
 

@@ -13,6 +13,7 @@ from irsim_gym.base.kernels.structs import Struct, record_type
 from irsim_gym.bodies.behaviors.orca.lines import DISC_LANES
 from irsim_gym.bodies.behaviors.shared.surroundings import Ego
 from irsim_gym.simulator.geometry.buckets import square_of
+from irsim_gym.simulator.tracks.tracker import is_mover
 from irsim_gym.simulator.world.names import Flags, Floats, Ints, Model, Records, State, kernel, row_of
 
 FEW = 32
@@ -58,7 +59,7 @@ class Crowd(Struct):
         x: x of each present member, square by square; infinite for members that no body sees [m].
         y: y of each present member, likewise [m].
         moves: Motion of each present member, records of type ``MOVE``.
-        body: Body of each present member.
+        body: Body of each present member, -1 for a track.
         square: Square of each member of the group, -1 for absent members.
         starts: First member in each square.
         found: Members found by a search.
@@ -176,6 +177,24 @@ def sort_members(model: Model, state: State, w: int, crowd: Crowd) -> None:
 
 
 @kernel
+def lay_tracks(b: int, tracks: Records, crowd: Crowd) -> None:
+    """Write a member, and the tracks that it sees move behind it, into a single square.
+
+    Writes: crowd (body, moves, starts, x, y).
+    """
+    # At infinity it does not find itself.
+    crowd.body[0], crowd.x[0], count = b, np.inf, 1
+    for t in range(tracks.shape[0]):
+        one = tracks[t]
+        if is_mover(one):
+            move = crowd.moves[count]
+            crowd.body[count], crowd.x[count], crowd.y[count] = -1, one.x, one.y
+            move.vx, move.vy, move.radius = one.vx, one.vy, one.radius
+            count += 1
+    crowd.starts[0], crowd.starts[1] = 0, count
+
+
+@kernel
 def find_nearest(model: Model, ego: Ego, m: int, place: int, reach: float, crowd: Crowd) -> int:
     """Write the nearest members that a member sees, nearest first; return their number.
 
@@ -245,7 +264,8 @@ def keep_visible(model: Model, b: int, n_found: int, crowd: Crowd) -> int:
     """
     count = 0
     for i in range(n_found):
-        if model.watchers[model.seen_row[crowd.body[crowd.found[i]]], b]:
+        q = crowd.body[crowd.found[i]]
+        if q < 0 or model.watchers[model.seen_row[q], b]:
             crowd.found[count], crowd.gap2[count] = crowd.found[i], crowd.gap2[i]
             count += 1
     return count

@@ -7,20 +7,10 @@ from typing import ClassVar
 import numpy as np
 
 from irsim_gym.base.arraytypes import Ints
+from irsim_gym.simulator.tracks.tracker import Tracker, is_mover
 from irsim_gym.tasks.observations.bodies.time_to_collision import MovingPoint, ObservesTimes, Velocities, meet_disc
 from irsim_gym.tasks.observations.scan.ranges import WITHOUT_SENSOR
-from irsim_gym.tasks.observations.tracks.following import follow_all
-from irsim_gym.tasks.observations.tracks.tracker import (
-    ACCEL,
-    KEEP,
-    NEEDS,
-    PROOFS,
-    SIZE,
-    TOLD,
-    Tracker,
-    begin_tracks,
-    share_tracks,
-)
+from irsim_gym.tasks.observations.tracks import learner_tracks
 from irsim_gym.tasks.terms import Bound, EpisodeState, Model, Shard, Simulation, State, Struct, Term, kernel, kind
 from irsim_gym.tasks.terms.term import Needs
 
@@ -37,25 +27,25 @@ class TrackedTimes(Struct):
 class TimeToTracks(ObservesTimes):
     """Time until a disc around the agent touches a body of ``tracks``, with the columns of ``time_to_collision``."""
 
-    needs: ClassVar[Needs] = NEEDS
-    told: ClassVar[Mapping[str, bool]] = TOLD
+    needs: ClassVar[Needs] = learner_tracks.NEEDS
+    told: ClassVar[Mapping[str, bool]] = learner_tracks.TOLD
 
-    size: float = SIZE
-    accel: float = ACCEL
-    keep: float = KEEP
+    size: float = learner_tracks.SIZE
+    accel: float = learner_tracks.ACCEL
+    keep: float = learner_tracks.KEEP
     without_sensor: str | tuple[str, ...] = WITHOUT_SENSOR
 
-    join, begin = share_tracks, staticmethod(begin_tracks)
+    join, begin = learner_tracks.share_tracks, staticmethod(learner_tracks.begin_tracks)
 
     def arrays(self, simulation: Simulation, agents: Ints) -> TrackedTimes:
         """Return the tracks, the velocities in the body frame and the radii of the discs around the agents."""
-        tracker = Tracker.over(self, simulation, agents, "time_to_tracks")
+        tracker = learner_tracks.new_tracker(self, simulation, agents, "time_to_tracks")
         return TrackedTimes(tracker, self.velocities(simulation.model, agents))
 
     @staticmethod
     def write(term: Term, model: Model, state: State, episode: EpisodeState, shard: Shard) -> None:
         """Follow the tracks, and write the nearness of the first collision for each velocity."""
-        follow_all(shard.worlds, shard.slot, term.agents, term.arrays.tracker, model, state, episode)
+        learner_tracks.follow_all(shard.worlds, shard.slot, term.agents, term.arrays.tracker, model, state, episode)
         write_track_times(shard.worlds, term.bound, term.arrays, state, episode)
 
 
@@ -77,7 +67,7 @@ def write_track_times(worlds: Ints, term: Bound, timed: TrackedTimes, state: Sta
             for t in range(tracks.shape[0]):
                 one = tracks[t]
                 dx, dy = one.x - pose[0], one.y - pose[1]
-                if one.used and one.score >= PROOFS and np.sqrt(dx * dx + dy * dy) - one.radius <= far:
+                if is_mover(one) and np.sqrt(dx * dx + dy * dy) - one.radius <= far:
                     x, y = dx * cosine + dy * sine, dy * cosine - dx * sine
                     vx, vy = one.vx * cosine + one.vy * sine, one.vy * cosine - one.vx * sine
                     meet_disc(

@@ -7,6 +7,7 @@ from typing import ClassVar
 import numpy as np
 
 from irsim_gym.base.arraytypes import Ints
+from irsim_gym.simulator.tracks.tracker import Tracker, is_mover
 from irsim_gym.tasks.observations.bodies.nearest_bodies import (
     WIDTH,
     Nearest,
@@ -19,18 +20,7 @@ from irsim_gym.tasks.observations.bodies.nearest_bodies import (
     write_motion,
 )
 from irsim_gym.tasks.observations.scan.ranges import WITHOUT_SENSOR
-from irsim_gym.tasks.observations.tracks.following import follow_all
-from irsim_gym.tasks.observations.tracks.tracker import (
-    ACCEL,
-    KEEP,
-    NEEDS,
-    PROOFS,
-    SIZE,
-    TOLD,
-    Tracker,
-    begin_tracks,
-    share_tracks,
-)
+from irsim_gym.tasks.observations.tracks import learner_tracks
 from irsim_gym.tasks.terms import Bound, EpisodeState, Model, Shard, Simulation, State, Struct, Term, kernel, kind
 from irsim_gym.tasks.terms.term import Needs
 
@@ -52,24 +42,24 @@ class Tracks(ObservesNearest):
     is free now. From then on it counts while it is seen, and for ``keep`` where others hide it.
     """
 
-    needs: ClassVar[Needs] = NEEDS
-    told: ClassVar[Mapping[str, bool]] = TOLD
+    needs: ClassVar[Needs] = learner_tracks.NEEDS
+    told: ClassVar[Mapping[str, bool]] = learner_tracks.TOLD
 
-    size: float = SIZE
-    accel: float = ACCEL
-    keep: float = KEEP
+    size: float = learner_tracks.SIZE
+    accel: float = learner_tracks.ACCEL
+    keep: float = learner_tracks.KEEP
     without_sensor: str | tuple[str, ...] = WITHOUT_SENSOR
 
-    join, begin = share_tracks, staticmethod(begin_tracks)
+    join, begin = learner_tracks.share_tracks, staticmethod(learner_tracks.begin_tracks)
 
     def arrays(self, simulation: Simulation, agents: Ints) -> Tracked:
         """Return the tracks and scratch memory."""
-        return Tracked(Tracker.over(self, simulation, agents, "tracks"), nearest_memory(self, simulation))
+        return Tracked(learner_tracks.new_tracker(self, simulation, agents, "tracks"), nearest_memory(self, simulation))
 
     @staticmethod
     def write(term: Term, model: Model, state: State, episode: EpisodeState, shard: Shard) -> None:
         """Follow the tracks, and write the numbers of the nearest ones."""
-        follow_all(shard.worlds, shard.slot, term.agents, term.arrays.tracker, model, state, episode)
+        learner_tracks.follow_all(shard.worlds, shard.slot, term.agents, term.arrays.tracker, model, state, episode)
         write_tracks(shard.worlds, shard.slot, term.bound, term.arrays, model, state, episode)
 
 
@@ -90,7 +80,7 @@ def write_tracks(
             x, y, heading = state.pose[w, body, 0], state.pose[w, body, 1], state.pose[w, body, 2]
             forget_nearest(slot, nearest)
             for t in range(tracks.shape[0]):
-                if tracks[t].used and tracks[t].score >= PROOFS:
+                if is_mover(tracks[t]):
                     dx, dy = tracks[t].x - x, tracks[t].y - y
                     away = np.sqrt(dx * dx + dy * dy)
                     share = (away - tracks[t].radius) / away if away > 0.0 else 1.0

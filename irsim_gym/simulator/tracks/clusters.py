@@ -3,8 +3,8 @@
 import numpy as np
 
 from irsim_gym.base.arraytypes import Floats, Rays, Records
+from irsim_gym.base.kernels import kernel
 from irsim_gym.base.kernels.structs import record_type
-from irsim_gym.tasks.terms import kernel
 
 CLUSTER = record_type("x y", first=np.int64, last=np.int64, track=np.int64)
 """The middle of a cluster [m], its first point and one past its last, and the track that it belongs to, or -1."""
@@ -83,26 +83,66 @@ def join_straight(flat: Rays, before: Rays, now: Rays, after: Rays, same: Rays) 
 
 
 @kernel
-def find_clusters(ranges: Rays, limits: Rays, size: float, joined: Rays, points: Floats, clusters: Records) -> int:
+def flag_gaps(three: Rays, two: Rays, one: Rays, now: Rays, ends: Rays) -> None:
+    """Write 1 for each hit behind one or two beams without, else 0, from inverse ranges up to three beams before."""
+    for i in range(now.shape[0]):
+        ends[i] = np.float32((now[i] > 0.0) & (one[i] == 0.0) & (two[i] + three[i] > 0.0))
+
+
+@kernel
+def mend(ranges: Rays, spacing: float, noise: float, joined: Rays) -> None:
+    """Bridge gaps of one or two beams without a valid reading between two hits: they were lost.
+
+    A lost beam gets minus the nearer hit as its reading, which shows neither a point nor free space. Hits that may be
+    on one disc are joined. Edges that recede on both sides are those of two bodies, and what is between them is free.
+
+    Args:
+        ranges: The scan [m], ``(n_beams,)``; lost beams are written.
+        spacing: Angle between neighbouring beams [rad].
+        noise: Standard deviation of the readings [m].
+        joined: As ``join_beams`` leaves it, ``(3, n_beams)``; the first row is written.
+    """
+    n, step, same, inverse, ends = ranges.shape[0], 2.0 * LARGEST * spacing, joined[0], joined[1], joined[2]
+    if n < 4:
+        return
+    flag_gaps(inverse[: n - 3], inverse[1 : n - 2], inverse[2 : n - 1], inverse[3:], ends)
+    for i in range(3, n):
+        if ends[i - 3] == 0.0:
+            continue
+        last = i - 2 if inverse[i - 2] > 0.0 else i - 3
+        one, other, ahead, behind = ranges[last], ranges[i], last - 1 if last > 0 else n - 1, i + 1 if i < n - 1 else 0
+        recede = one - ranges[ahead] > ranges[behind] - other + 4.0 * noise
+        if inverse[ahead] == 0.0 or inverse[behind] == 0.0 or not recede:
+            is_near = (other - one) * (other - one) <= step * (i - last) * min(one, other)
+            for k in range(last + 1, i):
+                ranges[k], same[k] = -min(one, other), np.float32(is_near)
+            same[i] = np.float32(is_near)
+
+
+@kernel
+def find_clusters(size: float, joined: Rays, points: Floats, clusters: Records) -> int:
     """Gather the points of the clusters that are not too wide, and return the number of clusters.
 
     Writes: points.
 
     Args:
-        ranges: The scan [m], ``(n_beams,)``.
-        limits: Valid readings lie between these two [m].
         size: Greatest extent along x and along y [m].
-        joined: 1 for each beam that hits the same surface as the one before it, ``(3, n_beams)``.
+        joined: 1 for each beam that hits the same surface as the one before it; inverse readings, 0 for beams that
+            hit nothing or were lost; ``(3, n_beams)``.
         points: The ends of all beams [m], ``(2, 2, n_beams)``: in the second half those of clusters are written, one
             cluster after another.
         clusters: Output, ``(n_beams,)``.
     """
-    n_beams, start, count, n_points, k = ranges.shape[0], 0, 0, 0, 0
+    n_beams, start, count, n_points, k = joined.shape[1], 0, 0, 0, 0
     while start < n_beams - 1 and joined[0, start] > 0.0:
         start += 1
-    x, y, kept_x, kept_y, same = points[0, 0], points[0, 1], points[1, 0], points[1, 1], joined[0]
+    x, y, kept_x, kept_y = points[0, 0], points[0, 1], points[1, 0], points[1, 1]
+    same, hits = joined[0], joined[1]
     while k < n_beams:
         first = start + k - (n_beams if start + k >= n_beams else 0)
+        if hits[first] == 0.0:
+            k += 1
+            continue
         last, length = first, 1
         while k + length < n_beams:
             after = last + 1 if last < n_beams - 1 else 0
@@ -110,18 +150,19 @@ def find_clusters(ranges: Rays, limits: Rays, size: float, joined: Rays, points:
                 break
             last, length = after, length + 1
         k += length
-        if not limits[0] < ranges[first] < limits[1] or max(abs(x[first] - x[last]), abs(y[first] - y[last])) > size:
+        if max(abs(x[first] - x[last]), abs(y[first] - y[last])) > size:
             continue
-        left, right, low, high, i = x[first], x[first], y[first], y[first], first
-        for j in range(n_points, n_points + length):
-            kept_x[j], kept_y[j] = x[i], y[i]
-            left, right, low, high = min(left, x[i]), max(right, x[i]), min(low, y[i]), max(high, y[i])
+        left, right, low, high, i, j = x[first], x[first], y[first], y[first], first, n_points
+        for _ in range(length):
+            if hits[i] > 0.0:
+                kept_x[j], kept_y[j], j = x[i], y[i], j + 1
+                left, right, low, high = min(left, x[i]), max(right, x[i]), min(low, y[i]), max(high, y[i])
             i = i + 1 if i < n_beams - 1 else 0
         if max(right - left, high - low) <= size:
             one = clusters[count]
             one.x, one.y, one.track = 0.5 * (left + right), 0.5 * (low + high), -1
-            one.first, one.last = n_points, n_points + length
-            n_points, count = n_points + length, count + 1
+            one.first, one.last = n_points, j
+            n_points, count = j, count + 1
     return count
 
 

@@ -4,11 +4,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from irsim_gym.base.arraytypes import Floats, Ints, Records
+from irsim_gym.base.arraytypes import Floats, Records
+from irsim_gym.base.kernels import kernel
 from irsim_gym.simulator.geometry.angles import TURN, nearly_arctan2, wrap
-from irsim_gym.tasks.observations.tracks.clusters import find_clusters, fit_disc, join_beams
-from irsim_gym.tasks.observations.tracks.tracker import PROOFS, Tracker
-from irsim_gym.tasks.terms import EpisodeState, Model, State, kernel
+from irsim_gym.simulator.tracks.clusters import WIDEST, find_clusters, fit_disc, join_beams, mend
+from irsim_gym.simulator.tracks.tracker import PROOFS, Tracker
 
 GATE = 0.35
 """How far a cluster may be from where a track is expected, beside twice the deviation of that [m]."""
@@ -31,7 +31,7 @@ RADIUS, SPREAD, PACE = 0.3, 0.1, 1.0
 
 
 class Moment(NamedTuple):
-    """Whose scan is followed: world, learner, their step, slot of scratch memory, and how long a step takes [s]."""
+    """Whose scan is followed: world, member, its step, slot of scratch memory, and how long a step takes [s]."""
 
     w: int
     a: int
@@ -41,22 +41,22 @@ class Moment(NamedTuple):
 
 
 @kernel
-def follow_all(
-    worlds: Ints, slot: int, agents: Ints, tracker: Tracker, model: Model, state: State, episode: EpisodeState
-) -> None:
-    """Bring the tracks up to the latest scans, unless they are.
+def follow_scan(at: Moment, pose: Floats, tracker: Tracker) -> None:
+    """Bring the tracks up to the latest scan, unless they are.
 
     Reads: tracker (accel, closes, clusters, eyes, joined, keep, limits, noise, noted, points, scan, scans, size,
-        spacing, tracks), model (step_time), state (pose), episode (steps).
+        spacing, tracks).
     Writes: tracker (clusters, eyes, joined, noted, points, scans, tracks).
+
+    Args:
+        at: Whose scan it is.
+        pose: Where its body is [m, m, rad].
+        tracker: The tracks.
     """
-    for w in worlds:
-        for a in range(agents.shape[0]):
-            at = Moment(w, a, episode.steps[w, a], slot, model.step_time[0])
-            if at.step != tracker.noted[w, a] and tracker.scan.ranges.shape[2] > 0:
-                note_scan(at, state.pose[w, agents[a]], tracker)
-                follow(at, tracker)
-                tracker.noted[w, a] = at.step
+    if at.step != tracker.noted[at.w, at.a] and tracker.scan.ranges.shape[2] > 0:
+        note_scan(at, pose, tracker)
+        follow(at, tracker)
+        tracker.noted[at.w, at.a] = at.step
 
 
 @kernel
@@ -85,13 +85,14 @@ def follow(at: Moment, tracker: Tracker) -> None:
 
     Reads: tracker (accel, closes, clusters, eyes, joined, keep, limits, noise, points, scan, scans, size, spacing,
         tracks).
-    Writes: tracker (clusters, joined, points, tracks).
+    Writes: tracker (clusters, joined, points, scans, tracks).
     """
-    row, limits, joined = at.step % tracker.scans.shape[2], tracker.limits[at.a], tracker.joined[at.slot]
+    row, joined = at.step % tracker.scans.shape[2], tracker.joined[at.slot]
     ranges, eye, kept = tracker.scans[at.w, at.a, row], tracker.eyes[at.w, at.a, row], tracker.points[at.slot, 1]
     tracks, clusters = tracker.tracks[at.w, at.a], tracker.clusters[at.slot]
-    join_beams(ranges, limits, tracker.spacing, tracker.noise[at.a], tracker.closes, joined)
-    count = find_clusters(ranges, limits, tracker.size, joined, tracker.points[at.slot], clusters)
+    join_beams(ranges, tracker.limits[at.a], tracker.spacing, tracker.noise[at.a], tracker.closes, joined)
+    mend(ranges, tracker.spacing, tracker.noise[at.a], joined)
+    count = find_clusters(tracker.size, joined, tracker.points[at.slot], clusters)
     push_back(eye, clusters, count)
     for t in range(tracks.shape[0]):
         if tracks[t].used:
@@ -241,14 +242,15 @@ def look(at: Moment, ago: int, x: float, y: float, tracker: Tracker) -> float:
         return -9.0
     away = np.sqrt(dx * dx + dy * dy)
     margin = MARGIN + EDGE * away * tracker.spacing + 3.0 * tracker.noise[at.a]
-    return float(min(ranges[first], ranges[first + 1]) - away - margin)
+    return float(min(abs(ranges[first]), abs(ranges[first + 1])) - away - margin)
 
 
 @kernel
 def judge(at: Moment, one: Any, points: Floats, tracker: Tracker) -> None:
     """Count the scans that show that a track moves: it is where there was free space, or has left a place that is free.
 
-    A moving track that has left its beginning is not judged again. The points are those of its cluster, ``(2, n)``.
+    A moving track that has left its beginning is not judged again. What is as wide as a disc can be is part of a wall.
+    The points are those of its cluster, ``(2, n)``.
 
     Reads: tracker (eyes, noise, scan, scans, spacing).
     Writes: one.
@@ -256,7 +258,7 @@ def judge(at: Moment, one: Any, points: Floats, tracker: Tracker) -> None:
     if one.score > MOST_PROOFS or points.shape[1] == 1:
         return
     pace = np.sqrt(one.vx * one.vx + one.vy * one.vy)
-    if pace < SLOWEST or one.place > VAGUE:
+    if pace < SLOWEST or one.place > VAGUE or one.radius >= WIDEST:
         one.score = max(one.score - 1, 0)
         return
     middle, last = points.shape[1] // 2, points.shape[1] - 1
