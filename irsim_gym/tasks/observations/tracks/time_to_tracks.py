@@ -12,6 +12,7 @@ from irsim_gym.tasks.observations.bodies.time_to_collision import MovingPoint, O
 from irsim_gym.tasks.observations.scan.ranges import WITHOUT_SENSOR
 from irsim_gym.tasks.observations.tracks import learner_tracks
 from irsim_gym.tasks.terms import Bound, EpisodeState, Model, Shard, Simulation, State, Struct, Term, kernel, kind
+from irsim_gym.tasks.terms.graph import RobotValues, Value
 from irsim_gym.tasks.terms.term import Needs
 
 
@@ -41,6 +42,10 @@ class TimeToTracks(ObservesTimes):
         """Return the tracks, the velocities in the body frame and the radii of the discs around the agents."""
         tracker = learner_tracks.new_tracker(self, simulation, agents, "time_to_tracks")
         return TrackedTimes(tracker, self.velocities(simulation.model, agents))
+
+    def graph(self, term: Term, model: Model, agent: int, robot: RobotValues) -> Value:
+        """Return the columns as a graph, see ``HasGraph``; the robot's own tracker gives the bodies."""
+        return self.times_graph(term.arrays.table, agent, robot)
 
     @staticmethod
     def write(term: Term, model: Model, state: State, episode: EpisodeState, shard: Shard) -> None:
