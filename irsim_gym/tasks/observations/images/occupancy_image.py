@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from irsim_gym.base.arraytypes import Bytes, Cells, Flags, Floats, Ints
+from irsim_gym.base.arraytypes import Bytes, Cells, Floats, Ints
 from irsim_gym.rendering.raster.areas import add_disc
 from irsim_gym.rendering.raster.sheets import paint
 from irsim_gym.scenario.specs.spec import Scenario
@@ -101,43 +101,35 @@ class OccupancyImage(SquareImage):
             paint_scan(worlds, slot, bound, tools.beams, paints, state, image)
         else:
             cells = model.cells if options.map else None
-            paint_occupied(worlds, slot, bound, paints, tools.channel, model, cells, state, image)
+            paint_occupied(worlds, slot, bound, tools, model, cells, state, image)
         for channel in range(1, 1 + options.robot_channel + options.movable_channel):
-            paint_apart(worlds, slot, bound, paints, tools.channel == channel, channel, model, state, image)
+            paint_apart(worlds, slot, bound, tools, channel, model, state, image)
         if options.goal_channel:
             paint_goal(worlds, slot, bound, paints, model, state, image)
 
 
 @kernel
 def paint_occupied(
-    worlds: Ints,
-    slot: int,
-    term: Bound,
-    paints: Paints,
-    channel: Ints,
-    model: Model,
-    cells: Cells,
-    state: State,
-    image: Bytes,
+    worlds: Ints, slot: int, term: Bound, tools: Tools, model: Model, cells: Cells, state: State, image: Bytes
 ) -> None:
     """Clear the images, and paint occupied space into their first channel.
 
-    Reads: term (agents, options), paints (box, colours, sheets), model (bounds, disc_count, disc_start, present, reach,
+    Reads: term (agents, options), tools (channel, paints), model (bounds, disc_count, disc_start, present, reach,
         segment_count, segment_start, solid, unobstructed), state (discs, pose, segments).
-    Writes: paints (sheets), image.
+    Writes: tools (paints), image.
 
     Args:
         worlds: The worlds to treat.
         slot: Slot of the calling thread.
         term: An ``OccupancyImage``.
-        paints: The colours free and occupied, in this order.
-        channel: The channel of each body, shape ``(n_bodies,)``; those of the first are painted.
+        tools: The colours free and occupied, in this order, and the channel of each body.
         model: Constants of the simulation.
         cells: The map, or None.
         state: Its present state.
         image: Output, ``(n_worlds, n_agents, pixels, pixels, n_channels)``.
     """
-    options, box, sheet = term.options[0], paints.box, paints.sheets[slot]
+    options, channel, paints = term.options[0], tools.channel, tools.paints
+    box, sheet = paints.box, paints.sheets[slot]
     for w in worlds:
         for a in range(term.agents.shape[0]):
             picture, body = image[w, a], term.agents[a]
@@ -165,33 +157,22 @@ def view_of(term: Bound, pose: Floats) -> View:
 
 @kernel
 def paint_apart(
-    worlds: Ints,
-    slot: int,
-    term: Bound,
-    paints: Paints,
-    shown: Flags,
-    channel: int,
-    model: Model,
-    state: State,
-    image: Bytes,
+    worlds: Ints, slot: int, term: Bound, tools: Tools, channel: int, model: Model, state: State, image: Bytes
 ) -> None:
-    """Paint some bodies, but not the agent itself, into a channel; see ``paint_occupied``.
+    """Paint the bodies of another channel than the first into it; see ``paint_occupied``.
 
-    Reads: term (agents, options), paints (box, colours, sheets), model (disc_count, disc_start, present, reach,
+    Reads: term (agents, options), tools (channel, paints), model (disc_count, disc_start, present, reach,
         segment_count, segment_start, solid, unobstructed), state (discs, pose, segments).
-    Writes: paints (sheets).
-
-    Args:
-        shown: Flags of the bodies, shape ``(n_bodies,)``.
-        channel: Which channel.
+    Writes: tools (paints).
     """
+    paints = tools.paints
     box, sheet = paints.box, paints.sheets[slot]
     for w in worlds:
         for a in range(term.agents.shape[0]):
             picture, body = image[w, a], term.agents[a]
             canvas = Canvas(sheet, box, view_of(term, state.pose[w, body]))
-            for b in range(shown.shape[0]):
-                if shown[b] and b != body and model.present[w, b] and not model.unobstructed[b]:
+            for b in range(tools.channel.shape[0]):
+                if tools.channel[b] == channel and b != body and model.present[w, b] and not model.unobstructed[b]:
                     add_body(canvas, model, state, w, b)
             paint(picture[:, :, channel : channel + 1], sheet, box, paints.colours[1], False)
 
