@@ -24,6 +24,7 @@ from irsim_gym.evaluation.saved_policies.checkpoint_files import POLICY, list_ch
 from irsim_gym.evaluation.saved_policies.policies import SavedPolicy, load_policy, policy_file
 from irsim_gym.evaluation.saved_policies.run_folder import CONFIG_KIND
 from irsim_gym.evaluation.saved_policies.shelf import SUFFIX, ShelfPolicy, policy_arrays
+from irsim_gym.evaluation.saved_policies.snapshot import Snapshot
 from irsim_gym.tasks import Episodes
 from irsim_gym.tasks.terms.term import Needs, needs_of
 from irsim_gym.training.export.exported_network import ExportedNetwork, export_network
@@ -67,8 +68,9 @@ def export(
     network = export_network(loaded.model, loaded.normalization)
     parts = [part for file in results for part in read_results(file, source)]
     settings, training = _training(source, parts)
-    scenario = _scenario(source, settings)
-    complete = _own_settings(source, settings)
+    run = run_of(policy_file(source))
+    scenario = _scenario(settings, run.snapshot() or settings.snapshot())
+    complete = run.own_settings() if run.exists() else settings  # with the run's own copy of its scenario
     episodes = complete.request().episodes(1)
     network.form["perception"] = complete.perception().to_plain()
     driver = ShelfPolicy(network.form, network.arrays)
@@ -178,14 +180,7 @@ def _run_record(source: Path) -> dict[str, Any] | None:
         return {"settings": config["settings"], "machine": config["machine"], **cost}
 
 
-def _own_settings(source: Path, settings: Settings) -> Settings:
-    """Return the settings with the run's own copy of its scenario, if there is one."""
-    run = run_of(policy_file(source))
-    return run.own_settings() if run.exists() else settings
-
-
-def _scenario(source: Path, settings: Settings) -> cards.CardScenario:
-    snapshot = run_of(policy_file(source)).snapshot() or settings.snapshot()
+def _scenario(settings: Settings, snapshot: Snapshot) -> cards.CardScenario:
     return cards.CardScenario(
         name=_file_name(settings.scenario),
         parameters=plain(dict(settings.parameters)),

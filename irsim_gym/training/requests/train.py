@@ -78,15 +78,12 @@ def train(
         try:
             _learn(run, used, model, progress, screen, on_checkpoint)
         finally:
-            _write_log(run, progress)
-            _close(model)
+            rows = ({name: row.get(name, "") for name in LOG_COLUMNS} for row in progress.history)
+            write_csv(run.folder / "training.csv", LOG_COLUMNS, rows)
+            env = model.get_env()
+            if env is not None:
+                env.close()
         return run
-
-
-def _close(model: BaseAlgorithm) -> None:
-    env = model.get_env()
-    if env is not None:
-        env.close()
 
 
 def _begin(run: Run, settings: Settings, now: Snapshot, *, resumed: bool) -> None:
@@ -189,8 +186,3 @@ def _learn(
         (last / stored.REPLAY_BUFFER).unlink(missing_ok=True)
     if stop.signal is not None:
         raise stopped_at_end(progress.steps, stop.signal)
-
-
-def _write_log(run: Run, progress: stored.RunProgress) -> None:
-    rows = ({name: row.get(name, "") for name in LOG_COLUMNS} for row in progress.history)
-    write_csv(run.folder / "training.csv", LOG_COLUMNS, rows)
