@@ -143,8 +143,6 @@ def _run(
             watcher.stepped(episodes, running)
         idle = running[(episodes.view.infos["outcome"][running] != Outcome.RUNNING).all(axis=1)]
         if idle.size:
-            for watcher in watchers:
-                watcher.ended(episodes, idle, episode[idle])
             yield episode[idle], idle
 
 
