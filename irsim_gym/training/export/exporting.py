@@ -153,7 +153,7 @@ def _training(source: Path, parts: Sequence[SeedResults]) -> tuple[Settings, car
         seeds=seeds,
         machine=record["machine"],
         mixture=tuple(
-            cards.CardPart(name=_file_name(item.scenario), parameters=plain(dict(item.parameters)), share=item.share)
+            cards.CardPart(name=Path(item.scenario).name, parameters=plain(dict(item.parameters)), share=item.share)
             for item in settings.mixture
         ),
         **{name: record[name] for name in ("steps", "training_seconds", "cpu_seconds")},
@@ -181,18 +181,14 @@ def _run_record(source: Path) -> dict[str, Any] | None:
 
 
 def _scenario(settings: Settings, snapshot: Snapshot) -> cards.CardScenario:
+    """Return what a card says of the scenario: of files the name alone, not the folders of a machine."""
     return cards.CardScenario(
-        name=_file_name(settings.scenario),
+        name=Path(settings.scenario).name,
         parameters=plain(dict(settings.parameters)),
-        task=None if settings.task is None else _file_name(settings.task),
+        task=None if settings.task is None else Path(settings.task).name,
         team=settings.hyperparameters.team,
         sha256=snapshot.digest,
     )
-
-
-def _file_name(named: str) -> str:
-    """Return a name unchanged, and of a path the file's name: cards do not reveal the folders of a machine."""
-    return Path(named).name
 
 
 def _terms(episodes: Episodes) -> tuple[cards.CardTerm, ...]:
@@ -230,7 +226,7 @@ def _evaluated(settings: Settings, place: Settings, driver: ShelfPolicy, levels:
 
 def _evaluate(settings: Settings, place: Settings, driver: ShelfPolicy, levels: int) -> cards.CardResult:
     """Evaluate the exported policy on ``test`` levels of one scenario, whose copy ``place`` names."""
-    request, name = place.request(), _file_name(settings.scenario)
+    request, name = place.request(), Path(settings.scenario).name
     evaluation = evaluate_policies(request, {name: driver}, levels=levels, references=False)
     figures: Any = evaluation.summaries[0]
     success = figures.success if isinstance(figures, Summary) else figures.cooperative_success
