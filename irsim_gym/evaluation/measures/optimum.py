@@ -46,9 +46,6 @@ class Optima:
     def stepped(self, episodes: Episodes, worlds: Ints) -> None:
         """Do nothing."""
 
-    def ended(self, episodes: Episodes, worlds: Ints, indices: Ints) -> None:
-        """Do nothing."""
-
     def _legs_of(self, episodes: Episodes, world: int, level: int, agent: int) -> list[float]:
         """Return the lengths of the paths from goal to goal [m]."""
         if (level, agent) not in self._legs:

@@ -50,7 +50,8 @@ def fit_bag(bag: Bag, no_return: str = "") -> BagFit:
         no_return: ``"zero"`` for a scanner that reports 0 where nothing is in range.
     """
     times = {role: _times(bag, role) for role in ("command", "scan", "odometry")}
-    periods = {role: _period(found) for role, found in times.items() if len(found) > 1}
+    gaps = {role: np.diff(moments) for role, moments in times.items() if len(moments) > 1}
+    periods = {role: Estimate(*np.quantile(gap, (0.5, 0.05, 0.95)).tolist()) for role, gap in gaps.items()}
     commands, velocities = (
         np.array([twist(event.message) for event in bag.of(role)]).reshape(-1, 3) for role in ("command", "odometry")
     )
@@ -74,10 +75,6 @@ def _times(bag: Bag, role: str) -> Floats:
     """Return when messages were measured or, without a stamp, recorded [s]."""
     messages = [(event.message, event.time) for event in bag.of(role)]
     return np.array([seconds(one.header.stamp) if hasattr(one, "header") else time for one, time in messages])
-
-
-def _period(times: Floats) -> Estimate:
-    return Estimate(*np.quantile(np.diff(times), (0.5, 0.05, 0.95)).tolist())
 
 
 def _wait(commands: Floats, scans: Floats) -> float:
