@@ -82,9 +82,9 @@ def check_levels(scenario: Scenario, split: str, count: int) -> None:
     levels = scenario.levels
     if levels is None:
         return
-    _, here = levels.rows(split)
-    if count > here:
-        raise IrsimGymError(f"{levels.file} has {here:,} {split} levels, but {count:,} are asked for: ask for fewer")
+    _, indices = levels.rows(split)
+    if count > indices:
+        raise IrsimGymError(f"{levels.file} has {indices:,} {split} levels, but {count:,} are asked for: ask for fewer")
 
 
 def drive(

@@ -59,11 +59,11 @@ def fit_bag(bag: Bag, no_return: str = "") -> BagFit:
     delay, tau = fit_lag(times["command"], commands, times["odometry"], velocities)
     latency = delay if isinstance(delay, str) else Estimate(wait + delay.value, wait + delay.low, wait + delay.high)
     messages = [event.message for event in bag.of("scan")]
-    if len(messages) < LEAST_SCANS or len({len(one.ranges) for one in messages}) > 1 or not len(velocities):
+    if len(messages) < LEAST_SCANS or len({len(message.ranges) for message in messages}) > 1 or not len(velocities):
         why = "it has too few scans of the same number of beams, or no odometry"
         return BagFit(periods, wait, latency, tau, why, why, "none")
-    ranges = np.array([one.ranges for one in messages])
-    broken = np.array([lost_beams(one, no_return) for one in messages])
+    ranges = np.array([message.ranges for message in messages])
+    broken = np.array([lost_beams(message, no_return) for message in messages])
     seen = np.isfinite(ranges) & ~broken & (ranges < messages[0].range_max) & (ranges > 0.0)
     nearest = np.clip(np.searchsorted(times["odometry"], times["scan"]), 0, len(velocities) - 1)
     stands = np.abs(velocities[nearest]).max(axis=1) < STILL
@@ -88,10 +88,10 @@ def _noise(known: Floats, stands: Flags) -> Estimate | str:
     pairs = np.flatnonzero(stands[1:] & stands[:-1])
     changes = [one[np.isfinite(one)] for one in np.abs(known[pairs + 1] - known[pairs])]
     # Two ranges differ by sqrt(2) times the noise; the median, since bodies may move through some beams.
-    found = np.array([1.4826 * np.median(one) / np.sqrt(2.0) for one in changes if len(one) >= LEAST_SCANS])
-    if len(found) < LEAST_SCANS:
+    deviations = np.array([1.4826 * np.median(one) / np.sqrt(2.0) for one in changes if len(one) >= LEAST_SCANS])
+    if len(deviations) < LEAST_SCANS:
         return "the robot hardly stands still"
-    middle, off = float(found.mean()), 1.96 * float(found.std()) / np.sqrt(len(found))
+    middle, off = float(deviations.mean()), 1.96 * float(deviations.std()) / np.sqrt(len(deviations))
     return Estimate(middle, max(middle - off, 0.0), middle + off)
 
 

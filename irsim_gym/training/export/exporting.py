@@ -142,7 +142,7 @@ def _training(source: Path, parts: Sequence[SeedResults]) -> tuple[Settings, car
     if record is None:
         raise IrsimGymError(
             f"the settings and the cost of the training of {source} are not known: name the run's folder, or give "
-            "--results with a file of agents/summarize.py"
+            "--results with a file of agents/studies/summarize.py"
         )
     settings = Settings.from_plain(record["settings"])
     seeds = next((part.seeds for part in parts if part.seeds), (settings.seed,))

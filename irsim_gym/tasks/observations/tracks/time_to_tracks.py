@@ -70,13 +70,13 @@ def write_track_times(worlds: Ints, term: Bound, timed: TrackedTimes, state: Sta
             row[:] = horizon
             cosine, sine = np.cos(pose[2]), np.sin(pose[2])
             for t in range(tracks.shape[0]):
-                one = tracks[t]
-                dx, dy = one.x - pose[0], one.y - pose[1]
-                if is_mover(one) and np.sqrt(dx * dx + dy * dy) - one.radius <= far:
+                track = tracks[t]
+                dx, dy = track.x - pose[0], track.y - pose[1]
+                if is_mover(track) and np.sqrt(dx * dx + dy * dy) - track.radius <= far:
                     x, y = dx * cosine + dy * sine, dy * cosine - dx * sine
-                    vx, vy = one.vx * cosine + one.vy * sine, one.vy * cosine - one.vx * sine
+                    vx, vy = track.vx * cosine + track.vy * sine, track.vy * cosine - track.vx * sine
                     meet_disc(
-                        MovingPoint(x, y, vx, vy, table.radius[a] + one.radius), table.ahead[a], table.aside[a], row
+                        MovingPoint(x, y, vx, vy, table.radius[a] + track.radius), table.ahead[a], table.aside[a], row
                     )
             for j in range(row.shape[0]):
                 row[j] = np.float32(1.0) - row[j] / horizon
