@@ -63,11 +63,11 @@ def check_kind(family: str, name: str, kind: Any, contract: Contract) -> None:
 
 def refuse(family: str, name: str, kind: type[Any], problems: Iterable[str], method: str = "") -> None:
     """Raise a KindError that lists problems, if there are any, with file and line of the kind or of its method."""
-    found = list(problems)
-    if not found:
+    issues = list(problems)
+    if not issues:
         return
     head = f"{family} '{name}' ({kind.__qualname__}{place_of(kind, method)})"
-    raise KindError(f"{head}: {found[0]}" if len(found) == 1 else "\n  ".join([f"{head}:", *found]))
+    raise KindError(f"{head}: {issues[0]}" if len(issues) == 1 else "\n  ".join([f"{head}:", *issues]))
 
 
 def place_of(kind: type[Any], method: str = "") -> str:
@@ -177,11 +177,11 @@ def _making(kind: type[Any]) -> Iterator[str]:
     if not hasattr(kind, "__pydantic_fields__"):
         yield "it is no kind: write @kind above the class (from irsim_gym.plugins import kind)"
         return
-    known = option_fields(kind)
+    declared = option_fields(kind)
     for name, value in vars(kind).items():
-        if isinstance(value, FieldInfo) and name not in known:
+        if isinstance(value, FieldInfo) and name not in declared:
             yield f"option '{name}' has no type: write '{name}: float = option(...)'"
-    hints = {name: str(hint) for name, hint in vars(kind).get("__annotations__", {}).items() if name not in known}
+    hints = {name: str(hint) for name, hint in vars(kind).get("__annotations__", {}).items() if name not in declared}
     lost = [name for name, hint in hints.items() if "ClassVar" not in hint]
     if lost:
         yield f"its options {', '.join(lost)} are not known: write @kind above this class too"

@@ -144,8 +144,8 @@ def kind_of_function(
     keys, takes_more = tuple(options), any(one.kind is one.VAR_KEYWORD for one in parameters)
 
     def own_options(chosen: object) -> dict[str, Any]:
-        own = {key: getattr(chosen, key) for key in keys}
-        return {**own, **more_options(chosen)} if takes_more else own
+        values = {key: getattr(chosen, key) for key in keys}
+        return {**values, **more_options(chosen)} if takes_more else values
 
     members = {"function": staticmethod(function), "own_options": staticmethod(own_options), **members}
     return make_kind(family, name, function, base, options, takes_more=takes_more, **members)

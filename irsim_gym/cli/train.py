@@ -11,16 +11,6 @@ from irsim_gym.cli import options as opt
 from irsim_gym.cli.tools import read_changes, read_parameters
 
 
-def check_resumable(out: Path | None) -> None:
-    """Check that the folder that a user names for ``--resume`` holds a run, or those of several seeds.
-
-    Raises:
-        IrsimGymError: If it does not.
-    """
-    if out is not None and not any((*out.glob("config.json"), *out.glob("seed_*/config.json"))):
-        raise IrsimGymError(f"--resume: {out} holds no run; without --resume the same command begins one there")
-
-
 def train(
     scenario: opt.Scenarios,
     algorithm: opt.Algorithm = None,
@@ -54,7 +44,8 @@ def train(
 
     if more_steps is not None and seeds is not None:
         raise IrsimGymError("--more-steps is for one run: name its folder with --out, and leave out --seeds")
-    check_resumable(out if resume else None)
+    if resume and out is not None and not any((*out.glob("config.json"), *out.glob("seed_*/config.json"))):
+        raise IrsimGymError(f"--resume: {out} holds no run; without --resume the same command begins one there")
     mixed = requested_mixture(scenario, mixture)
     request = TrainingRequest(
         *(scenario[0], algorithm, seed, steps, task, hyperparameters, team, read_parameters(settings, perturb)),

@@ -26,7 +26,16 @@ from irsim_gym.evaluation.saved_policies.snapshot import take_snapshot
 from irsim_gym.robot import contract as forms
 from irsim_gym.robot.contract import BodiesForm, Hashes, Results, RobotContract, ScenarioForm, ShieldForm, Stops
 from irsim_gym.robot.graph_policy import ComparedPolicy, DelayedPolicy, GraphPolicy, without_latency
-from irsim_gym.robot.inputs import among_discs, is_disc, limits_of, scanner_form, seen_map_form, seers, sees_moving_only
+from irsim_gym.robot.inputs import (
+    among_discs,
+    is_disc,
+    limits_of,
+    scanner_form,
+    seen_map_form,
+    seers,
+    sees_moving_only,
+    tracker_of,
+)
 from irsim_gym.robot.model_card import model_card
 from irsim_gym.robot.nodes.package import check_node, package_files
 from irsim_gym.robot.parts.shield import AXES
@@ -151,11 +160,16 @@ def _among_discs(played: Episodes, request: ScenarioRequest, policy: SavedPolicy
     Raises:
         UnfitForRobotError: It sees others, and there is no tracker.
     """
-    seen = [term.name for term in seers(played)]
-    if not seen:
+    seen, follows = [term.name for term in seers(played)], tracker_of(played) is not None
+    if not seen and not follows:
         return played
     if bodies is None:
-        raise UnfitForRobotError(f"observation '{seen[0]}' needs bodies ({NEEDS['bodies']}): add '--bodies tracked'")
+        what = f"observation '{seen[0]}' needs bodies ({NEEDS['bodies']})" if seen else "it observes tracks"
+        raise UnfitForRobotError(f"{what}: add '--bodies tracked'")
+    if seen and follows:
+        raise UnfitForRobotError("it observes tracks and bodies that it is told: a driver takes one of them")
+    if follows:
+        return played
     loaded = request.load(warn=False)
     scenario = among_discs(loaded, played)
     if scenario is loaded:

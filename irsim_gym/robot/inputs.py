@@ -6,10 +6,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from irsim_gym.base.arraytypes import Flags, Floats, Rays
+from irsim_gym.base.arraytypes import Flags, Floats, Rays, Records
 from irsim_gym.base.families import FOOTPRINTS
 from irsim_gym.robot.contract import Scanner, SeenMapForm, Tested
 from irsim_gym.scenario import Scenario
+from irsim_gym.simulator.tracks.tracker import PROOFS, Tracker
 from irsim_gym.simulator.world.model import OMNI_WORLD, Model
 from irsim_gym.tasks import Episodes
 from irsim_gym.tasks.observations.seen_map.way_on_seen_map import WayOnSeenMap
@@ -74,7 +75,10 @@ def measured(episodes: Episodes, agent: int = 0) -> Measured:
     elapsed = np.full((len(pose), 1), episodes.simulation.model.step_time[0])
     values: Measured = {"pose": pose, "velocity": velocity, "goal": state.goal[:, b].copy(), "elapsed": elapsed}
     scanner = scanner_of(episodes, agent)
-    if seers(episodes):
+    tracker = tracker_of(episodes)
+    if tracker is not None:
+        values["bodies"] = mover_rows(tracker.tracks[:, agent])
+    elif seers(episodes):
         values["bodies"] = tracked(episodes, agent)
     return values if scanner is None else {"ranges": scanner[1].copy(), **values}
 
@@ -102,6 +106,19 @@ def sees_moving_only(episodes: Episodes) -> bool:
 def seers(episodes: Episodes) -> list[Term]:
     """Return the observations of other bodies."""
     return [term for term in episodes.terms["observations"] if "bodies" in (term.options.needs or ())]
+
+
+def tracker_of(episodes: Episodes) -> Tracker | None:
+    """Return the tracker that observations of tracks share; None without one."""
+    arrays = (getattr(term.arrays, "tracker", None) for term in episodes.terms["observations"])
+    return next((tracker for tracker in arrays if tracker is not None), None)
+
+
+def mover_rows(tracks: Records) -> Floats:
+    """Return tracks as rows of ``tracked``; NaN for those that scans have not shown to move."""
+    moves = tracks["used"] & (tracks["score"] >= PROOFS)
+    rows = np.stack([tracks[name] for name in ("x", "y", "vx", "vy", "radius")], axis=-1)
+    return np.where(moves[..., None], rows, np.nan)
 
 
 def tracked(episodes: Episodes, agent: int = 0) -> Floats:

@@ -1,4 +1,4 @@
-"""agents/barn_policy.py: the score of BARN, and what the script writes."""
+"""agents/studies/barn_policy.py: the score of BARN, and what the script writes."""
 
 from __future__ import annotations
 
@@ -11,12 +11,12 @@ import pytest
 
 from irsim_gym.evaluation.measures.metrics import EpisodeRow
 
-AGENTS = Path(__file__).parents[2] / "agents"
+STUDIES = Path(__file__).parents[2] / "agents" / "studies"
 
 
 @pytest.fixture
 def script(monkeypatch: pytest.MonkeyPatch) -> Any:
-    monkeypatch.syspath_prepend(str(AGENTS))
+    monkeypatch.syspath_prepend(str(STUDIES))
     import barn_policy
 
     return barn_policy

@@ -1,4 +1,4 @@
-"""agents/covered_goals.py: levels that no robot could have won while bodies moved as they did."""
+"""agents/studies/covered_goals.py: levels that no robot could have won while bodies moved as they did."""
 
 from __future__ import annotations
 
@@ -8,12 +8,12 @@ from typing import Any
 import numpy as np
 import pytest
 
-AGENTS = Path(__file__).parents[2] / "agents"
+STUDIES = Path(__file__).parents[2] / "agents" / "studies"
 
 
 @pytest.fixture
 def script(monkeypatch: pytest.MonkeyPatch) -> Any:
-    monkeypatch.syspath_prepend(str(AGENTS))
+    monkeypatch.syspath_prepend(str(STUDIES))
     import covered_goals
 
     return covered_goals

@@ -1,4 +1,4 @@
-"""What agents/crowd_nav_differences.py changes in crowd_nav, and nothing else."""
+"""What agents/studies/crowd_nav_differences.py changes in crowd_nav, and nothing else."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from irsim_gym.base.arraytypes import Ints
 from irsim_gym.evaluation.policies.policy import ObservationPolicy
 from irsim_gym.tasks import Episodes
 
-SCRIPT = runpy.run_path(str(Path(__file__).parents[2] / "agents" / "crowd_nav_differences.py"))
+SCRIPT = runpy.run_path(str(Path(__file__).parents[2] / "agents" / "studies" / "crowd_nav_differences.py"))
 RADIUS, JITTER = 8.485, 0.564  # of the circle, and by how much a start on it is shifted, as in the file
 
 

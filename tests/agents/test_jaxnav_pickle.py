@@ -1,4 +1,4 @@
-"""agents/jaxnav_pickle.py: numbers are taken out of pickles, whose code does not run."""
+"""agents/studies/jaxnav_pickle.py: numbers are taken out of pickles, whose code does not run."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-AGENTS = Path(__file__).parents[2] / "agents"
+STUDIES = Path(__file__).parents[2] / "agents" / "studies"
 NAV = {
     "cells": np.zeros((2, 3, 4), np.uint8), "start_xy": np.full((2, 1, 2), 1.5, np.float32),
     "start_heading": np.array([[0.5], [3.5]], np.float32),
@@ -22,7 +22,7 @@ NAV["cells"][0, 2, 3] = 1  # y = 2.5, x = 3.5
 
 @pytest.fixture
 def script(monkeypatch: pytest.MonkeyPatch) -> Any:
-    monkeypatch.syspath_prepend(str(AGENTS))
+    monkeypatch.syspath_prepend(str(STUDIES))
     import jaxnav_pickle
 
     return jaxnav_pickle

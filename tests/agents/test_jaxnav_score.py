@@ -1,4 +1,4 @@
-"""agents/jaxnav_score.py: which episodes count, and that actions are drawn."""
+"""agents/studies/jaxnav_score.py: which episodes count, and that actions are drawn."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ import pytest
 from irsim_gym.evaluation.policies.reference_policies import reference_policy
 from irsim_gym.evaluation.requests.episode_setup import make_episodes
 
-AGENTS = Path(__file__).parents[2] / "agents"
+STUDIES = Path(__file__).parents[2] / "agents" / "studies"
 WORLD: dict[str, Any] = {"height": 10, "width": 10, "step_time": 0.1}
 ROBOT = {"kinematics": {"name": "diff"}, "vel_max": [1, 1], "behavior": {"name": "dash"}}
 TASK: dict[str, Any] = {"name": "navigation", "max_steps": 50}
@@ -20,7 +20,7 @@ TASK: dict[str, Any] = {"name": "navigation", "max_steps": 50}
 
 @pytest.fixture
 def script(monkeypatch: pytest.MonkeyPatch) -> Any:
-    monkeypatch.syspath_prepend(str(AGENTS))
+    monkeypatch.syspath_prepend(str(STUDIES))
     import jaxnav_score
 
     return jaxnav_score

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 import torch
 
-FOLDER = Path(__file__).parents[2] / "agents"
+FOLDER = Path(__file__).parents[2] / "agents" / "studies"
 
 
 @pytest.fixture

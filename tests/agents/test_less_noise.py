@@ -1,4 +1,4 @@
-"""agents/less_noise.py: a policy whose actions have less noise."""
+"""agents/studies/less_noise.py: a policy whose actions have less noise."""
 
 from __future__ import annotations
 
@@ -12,12 +12,12 @@ import pytest
 import torch
 from stable_baselines3 import PPO
 
-AGENTS = Path(__file__).parents[2] / "agents"
+STUDIES = Path(__file__).parents[2] / "agents" / "studies"
 
 
 @pytest.fixture
 def script(monkeypatch: pytest.MonkeyPatch) -> Any:
-    monkeypatch.syspath_prepend(str(AGENTS))
+    monkeypatch.syspath_prepend(str(STUDIES))
     import less_noise
 
     return less_noise

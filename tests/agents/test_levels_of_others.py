@@ -11,7 +11,7 @@ import pytest
 import irsim_gym as ig
 from irsim_gym.levels import LevelSet
 
-AGENTS = Path(__file__).parents[2] / "agents"
+STUDIES = Path(__file__).parents[2] / "agents" / "studies"
 DATA = Path(__file__).parents[3] / "shared" / "data"
 WORLD = """<sdf version='1.6'><world name='default'>
 <model name='ground_plane'><link><collision><geometry><plane/></geometry></collision></link></model>
@@ -35,7 +35,7 @@ def shared(name: str) -> Path:
 
 @pytest.fixture(autouse=True)
 def scripts(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.syspath_prepend(str(AGENTS))
+    monkeypatch.syspath_prepend(str(STUDIES))
 
 
 def written(arrays: dict[str, Any], file: Path) -> LevelSet:

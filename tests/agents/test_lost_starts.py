@@ -1,4 +1,4 @@
-"""agents/lost_starts.py: levels in which nothing that a robot does keeps it free of contact."""
+"""agents/studies/lost_starts.py: levels in which nothing that a robot does keeps it free of contact."""
 
 from __future__ import annotations
 
@@ -9,12 +9,12 @@ import pytest
 
 from irsim_gym.evaluation.requests.episode_setup import make_episodes
 
-AGENTS = Path(__file__).parents[2] / "agents"
+STUDIES = Path(__file__).parents[2] / "agents" / "studies"
 
 
 @pytest.fixture
 def script(monkeypatch: pytest.MonkeyPatch) -> Any:
-    monkeypatch.syspath_prepend(str(AGENTS))
+    monkeypatch.syspath_prepend(str(STUDIES))
     import lost_starts
 
     return lost_starts

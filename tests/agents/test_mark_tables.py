@@ -11,18 +11,18 @@ import pytest
 from irsim_gym.evaluation.saved_policies.shelf import card_of
 from irsim_gym.evaluation.suite.members import shipped_suite
 
-AGENTS = Path(__file__).parents[2] / "agents"
+STUDIES = Path(__file__).parents[2] / "agents" / "studies"
 
 
 with pytest.MonkeyPatch.context() as patched:
-    patched.syspath_prepend(str(AGENTS))
+    patched.syspath_prepend(str(STUDIES))
     SCRIPT: Any = importlib.import_module("summarize_marks")
 MARKS = [mark for mark in SCRIPT.MARKS if SCRIPT.read(mark.name) is not None]
 
 
 def test_the_tables_of_the_page_are_those_of_the_results() -> None:
     page = SCRIPT.PAGE.read_text(encoding="utf-8")
-    assert SCRIPT.rewritten(page) == page, "run: python agents/summarize_marks.py"
+    assert SCRIPT.rewritten(page) == page, "run: python agents/studies/summarize_marks.py"
 
 
 @pytest.mark.parametrize("mark", MARKS, ids=lambda mark: mark.name)

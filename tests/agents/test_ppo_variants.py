@@ -14,12 +14,12 @@ import torch
 
 import irsim_gym
 
-AGENTS = Path(__file__).parents[2] / "agents"
+STUDIES = Path(__file__).parents[2] / "agents" / "studies"
 
 
 @pytest.fixture
 def script(monkeypatch: pytest.MonkeyPatch) -> Iterator[ModuleType]:
-    monkeypatch.syspath_prepend(str(AGENTS))
+    monkeypatch.syspath_prepend(str(STUDIES))
     import ppo_variants
 
     yield ppo_variants

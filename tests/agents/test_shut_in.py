@@ -1,4 +1,4 @@
-"""agents/shut_in.py: why robots run out of time."""
+"""agents/studies/shut_in.py: why robots run out of time."""
 
 from __future__ import annotations
 
@@ -12,14 +12,14 @@ import pytest
 from irsim_gym.envs.gymnasium.worlds import Worlds
 from irsim_gym.tasks import Outcome
 
-AGENTS = Path(__file__).parents[2] / "agents"
+STUDIES = Path(__file__).parents[2] / "agents" / "studies"
 CORRIDOR = [[100] * 3, *[[100, 0, 100]] * 6, [100] * 3]
 ROBOT = {"kinematics": {"name": "diff"}, "shape": {"name": "circle", "radius": 0.2}, "goal": [6.5, 1.5]}
 
 
 @pytest.fixture
 def script(monkeypatch: pytest.MonkeyPatch) -> Any:
-    monkeypatch.syspath_prepend(str(AGENTS))
+    monkeypatch.syspath_prepend(str(STUDIES))
     import shut_in
 
     return shut_in

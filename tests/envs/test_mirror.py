@@ -150,6 +150,10 @@ def test_other_options(observed: dict[str, Any]) -> None:
     check_mirror(scene_of(), observed)
 
 
+def test_pictures_of_what_can_be_pushed() -> None:
+    check_mirror(pushing_scene("diff"), {"occupancy_image": {"movable_channel": True}}, steps=25)
+
+
 @pytest.mark.parametrize("number", [36, 72, 181])
 def test_other_numbers_of_beams(number: int) -> None:
     for observed in ({"scan": {"sectors": 36 if number < 181 else 181}}, "free_travel", "past_scans"):

@@ -88,8 +88,9 @@ class Recount:
     def began(self, episodes: Episodes, worlds: Any, indices: Any) -> None:
         """Begin to count in worlds."""
         cells = episodes.simulation.model.cells
-        for w in worlds.tolist():
+        for w, index in zip(worlds.tolist(), indices.tolist(), strict=True):
             self._over[w], self._won[w] = np.zeros((2, episodes.n_agents), np.bool_)
+            self.arrived[index] = self._won[w]
             if cells is not None:
                 self._cells[w] = Cells.of(cells, w)
 
@@ -107,11 +108,6 @@ class Recount:
                 hit = hit or (w in self._cells and self._cells[w].touches(parts[own]))
                 won = not hit and is_there(simulation.scenario.bodies[own], state.pose[w, own], state.goal[w, own])
                 self._won[w][a], self._over[w][a] = won, hit or won
-
-    def ended(self, episodes: Episodes, worlds: Any, indices: Any) -> None:
-        """Keep what was counted."""
-        for w, index in zip(worlds.tolist(), indices.tolist(), strict=True):
-            self.arrived[index] = self._won[w].copy()
 
     @staticmethod
     def _parts(simulation: Any, w: int, b: int) -> Parts:

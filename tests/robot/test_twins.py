@@ -36,6 +36,10 @@ CAR = {
     "shape": {"name": "rectangle", "length": 0.9, "width": 0.5, "wheelbase": 0.5},
 }
 CAR_BY_RATE = {**DIFF, "kinematics": {"name": "acker", "mode": "angular"}, "shape": CAR["shape"]}
+FOLLOWED: list[Any] = [
+    {"name": "tracks", "count": 3, "range": 3.0},
+    {"name": "time_to_tracks", "directions": 7, "speeds": 3, "range": 2.5, "margin": 0.1},
+]
 EVERYTHING: list[Any] = [
     "scan",
     "free_travel",
@@ -154,8 +158,8 @@ def test_each_kind_that_a_robot_can_observe_by_itself_has_a_twin() -> None:
     own = [entry for entry in families.OBSERVATIONS if entry.kind.__module__.startswith("irsim_gym.")]
     alone = {entry.name for entry in own if set(entry.kind().needs) <= {"scan", "odometry", "map_frame", "grid"}}
     twins = {entry.name for entry in own if issubclass(entry.kind, HasGraph)}
-    assert alone - twins == {"has_arrived", "seen_map_image", "tracks", "time_to_tracks"}
-    assert {item if isinstance(item, str) else item["name"] for item in EVERYTHING} == twins
+    assert alone - twins == {"has_arrived", "seen_map_image"}
+    assert {item if isinstance(item, str) else item["name"] for item in (*EVERYTHING, *FOLLOWED)} == twins
 
 
 @pytest.mark.parametrize(
@@ -166,8 +170,9 @@ def test_each_kind_that_a_robot_can_observe_by_itself_has_a_twin() -> None:
         (OMNI, EVERYTHING, -1e5, {}),
         (DIFF, OTHERWISE, 0.0, {}),
         (DIFF, OTHERWISE, 0.0, MOVING),
+        (OMNI, FOLLOWED, 0.0, MOVING),
     ],
-    ids=["diff", "car far away", "omni far away", "other options", "others move"],
+    ids=["diff", "car far away", "omni far away", "other options", "others move", "tracks"],
 )
 def test_twins_equal_their_kernels(
     robot: dict[str, Any], observations: list[Any], shift: float, others: dict[str, Any]

@@ -134,6 +134,21 @@ def test_other_robots_and_what_is_left_out() -> None:
     assert not picture({**BARE, "bodies": False}, **scene).any()
 
 
+def test_what_can_be_pushed_has_its_own_channel() -> None:
+    robots = [{**ROBOT, "state": [5, 5, 0]}, {**ROBOT, "state": [3, 5, 0], "name": "other"}]
+    box = {**BALL, "state": [7, 5, 0], "mass": 1}
+    scene: dict[str, Any] = {"robot": robots, "team": True, "collision_mode": "contact"}
+    scene["obstacle"] = [{**BALL, "state": [5, 7, 0]}, box]
+    apart = picture({**BARE, "movable_channel": True, "robot_channel": True}, **scene)
+    for channel, middle in enumerate([(16, 8), (24, 16), (8, 16)]):  # a ball that stands, a robot behind, a ball ahead
+        assert middle_of(apart[..., channel]) == pytest.approx(middle, abs=0.02)
+    seen = picture({**BARE, "movable_channel": True}, **scene)
+    np.testing.assert_array_equal(seen[..., 0], apart[..., :2].max(axis=2))
+    np.testing.assert_array_equal(seen[..., 1], apart[..., 2])
+    with pytest.raises(ScenarioError, match="collision_mode contact"):
+        picture({**BARE, "movable_channel": True})
+
+
 def test_a_body_that_cannot_be_touched_is_not_in_the_way() -> None:
     assert not picture(BARE, obstacle={**BALL, "state": [7, 5, 0], "unobstructed": True}).any()
 

@@ -33,7 +33,8 @@ def test_an_image_needs_what_it_shows() -> None:
     image = OBSERVATIONS.entry("occupancy_image").kind
     assert image().needs == ("odometry", "bodies")
     assert image(from_scan=True).needs == ("scan", "odometry")
-    assert image(from_scan=True, robot_channel=True).needs == ("scan", "odometry", "bodies")
+    for channel in ("robot_channel", "movable_channel"):
+        assert image(from_scan=True, **{channel: True}).needs == ("scan", "odometry", "bodies")
 
 
 def test_a_description_shows_the_needs_and_who_does_not_say(monkeypatch: pytest.MonkeyPatch) -> None:

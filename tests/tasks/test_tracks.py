@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 from task_tools import BALL, ROBOT, drive, play
 
-from irsim_gym.robot.policy_graph import _reasons
 from irsim_gym.simulator.tracks.tracker import PROOFS
 from irsim_gym.tasks import Episodes
 
@@ -193,8 +192,3 @@ def test_a_robot_without_a_sensor_is_told_with_the_same_options() -> None:
     (term,) = watch(mover(5, 8, (5, 1)), robot=blind, observations=told).terms["observations"]
     assert (term.name, term.options.count, term.options.speed) == ("nearest_bodies", 2, 1.5)
     assert term.options.moving
-
-
-def test_a_robot_cannot_take_tracks_along_yet_and_is_told_so() -> None:
-    reasons = list(_reasons(watch(observations=[TRACKS])))
-    assert reasons == ["the observation 'tracks' has no twin in ONNX operators: no method 'graph'"]

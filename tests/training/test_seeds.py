@@ -69,7 +69,7 @@ def test_seeds_are_trained_and_summed_up(monkeypatch: pytest.MonkeyPatch, capsys
     assert "of seeds" not in said
     assert "median" in said
     assert Path("all/results.png").read_bytes().startswith(b"\x89PNG")
-    monkeypatch.syspath_prepend(str(AGENTS))
+    monkeypatch.syspath_prepend(str(AGENTS / "studies"))
     import summarize
 
     runs = [Path("all/seed_3"), Path("all/seed_4")]

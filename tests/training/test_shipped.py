@@ -59,10 +59,10 @@ start and goal, and large obstacles anywhere, which leave dead ends."""
 
 
 def _script() -> Any:
-    """Return agents/summarize_shipped.py as a module."""
+    """Return agents/studies/summarize_shipped.py as a module."""
     with pytest.MonkeyPatch.context() as patched:
-        patched.syspath_prepend(str(AGENTS))
-        spec = importlib.util.spec_from_file_location("summarize_shipped", AGENTS / "summarize_shipped.py")
+        patched.syspath_prepend(str(AGENTS / "studies"))
+        spec = importlib.util.spec_from_file_location("summarize_shipped", AGENTS / "studies" / "summarize_shipped.py")
         assert spec is not None
         assert spec.loader is not None
         module = importlib.util.module_from_spec(spec)
@@ -82,7 +82,7 @@ def rows() -> list[dict[str, Any]]:
 def test_every_shipped_scenario_has_reached_its_mark() -> None:
     found = rows()
     missing = set(LEARNED) - {row["scenario"] for row in found}
-    assert not missing, "train them, see agents/summarize_shipped.py"
+    assert not missing, "train them, see agents/studies/summarize_shipped.py"
     for row in found:
         assert row["success"]["value"] >= SCRIPT.MARKS.get(row["scenario"], SCRIPT.MARK), row["scenario"]
         assert row["conditions"]["levels"] == LEVELS
@@ -92,7 +92,7 @@ def test_every_shipped_scenario_has_reached_its_mark() -> None:
 
 def test_the_table_of_the_page_is_that_of_the_results() -> None:
     page = SCRIPT.PAGE.read_text()
-    assert SCRIPT.rewritten(page, rows()) == page, "run: python agents/summarize_shipped.py"
+    assert SCRIPT.rewritten(page, rows()) == page, "run: python agents/studies/summarize_shipped.py"
 
 
 def test_a_newer_run_takes_the_place_of_an_older_one() -> None:

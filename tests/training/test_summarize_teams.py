@@ -1,4 +1,4 @@
-"""agents/summarize_teams.py on results made by hand."""
+"""agents/studies/summarize_teams.py on results made by hand."""
 
 import json
 import subprocess
@@ -6,7 +6,7 @@ import sys
 from pathlib import Path
 from typing import Any
 
-SCRIPT = Path(__file__).parents[2] / "agents" / "summarize_teams.py"
+SCRIPT = Path(__file__).parents[2] / "agents" / "studies" / "summarize_teams.py"
 
 
 def rate(value: float) -> dict[str, float]:

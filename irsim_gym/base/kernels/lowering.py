@@ -41,8 +41,8 @@ class KernelValue:
         """Return the value in Numba's form."""
         form = context.get_value_type(self.kind)
         whole = ir.Constant(form, ir.Undefined)
-        for k, one in enumerate(form.elements):
-            for place in [(k, axis) for axis in range(one.count)] if isinstance(one, ir.ArrayType) else [(k,)]:
+        for k, element in enumerate(form.elements):
+            for place in [(k, axis) for axis in range(element.count)] if isinstance(element, ir.ArrayType) else [(k,)]:
                 whole = build.insert_value(whole, self.part(*place), place)
         return whole
 
@@ -109,15 +109,15 @@ class KernelLower(Lower):  # type: ignore[misc]
     def lower_binop(self, resty: Any, expr: Any, op: Any) -> Any:
         """Return the value of an operation; that of two numbers, other than a power, is what it was resolved to."""
         signature, build = self.fndesc.calltypes[expr], self.builder
-        if op in POWERS or not all(isinstance(one, types.Number | types.Boolean) for one in signature.args):
+        if op in POWERS or not all(isinstance(argument, types.Number | types.Boolean) for argument in signature.args):
             return super().lower_binop(resty, expr, op)
         try:
             compute = self.context.get_function(self.context.typing_context.resolve_value_type(op), signature)
         except KeyError:  # Numba notes the implementation only when it resolves the operator again
             return super().lower_binop(resty, expr, op)
         values = [
-            self.context.cast(build, self.loadvar(one.name), self.typeof(one.name), wanted)
-            for one, wanted in zip((expr.lhs, expr.rhs), signature.args, strict=True)
+            self.context.cast(build, self.loadvar(argument.name), self.typeof(argument.name), wanted)
+            for argument, wanted in zip((expr.lhs, expr.rhs), signature.args, strict=True)
         ]
         return self.context.cast(build, compute(build, values), signature.return_type, resty)
 
@@ -134,8 +134,8 @@ class KernelLower(Lower):  # type: ignore[misc]
         def part(k: int, *axis: int) -> Any:
             if k == NITEMS:
                 size, *more = [array.part(SHAPE, j) for j in range(n_axes, array.kind.ndim)]
-                for one in more:
-                    size = self.builder.mul(size, one)
+                for value in more:
+                    size = self.builder.mul(size, value)
                 return size
             return address if k == DATA else array.part(k, *(n_axes + j for j in axis))
 
@@ -165,15 +165,15 @@ class KernelLower(Lower):  # type: ignore[misc]
         kinds: Any = getattr(given, "types", (given,))
         if not isinstance(kind, types.Array) or isinstance(kind.dtype, types.NestedArray) or kind.layout not in "CA":
             return None
-        if not kinds or not all(isinstance(one, types.Integer) for one in kinds):
+        if not kinds or not all(isinstance(index_kind, types.Integer) for index_kind in kinds):
             return None
         parts = self._array(array)
         numbers = self.loadvar(index.name)
         numbers = [build.extract_value(numbers, k) for k in range(len(kinds))] if kinds[0] is not given else [numbers]
         shape = [parts.part(SHAPE, axis) for axis in range(kind.ndim)]
         indices = [
-            items.fix_integer_index(self.context, build, one, number, size)
-            for one, number, size in zip(kinds, numbers, shape, strict=False)
+            items.fix_integer_index(self.context, build, index_kind, number, size)
+            for index_kind, number, size in zip(kinds, numbers, shape, strict=False)
         ]
         data = parts.part(DATA)
         if kind.layout == "C":

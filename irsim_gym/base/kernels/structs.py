@@ -94,9 +94,9 @@ class StructType(types.Type):
     def part(self, context: Any, build: Any, block: Any, name: str, k: int, axis: int = 0) -> Any:
         """Load a part of an array: the one at place ``k`` of Numba's form, of an axis for shape and strides."""
         kind: Any = self.fields[name]
-        wanted = context.get_value_type(kind).elements[k]
+        field_type = context.get_value_type(kind).elements[k]
         place = k + axis if k < 6 else k - 1 + kind.ndim + axis
-        return self.word(build, block, name, place, wanted if k < 5 else WORD)
+        return self.word(build, block, name, place, field_type if k < 5 else WORD)
 
 
 extend.register_model(StructType)(extend.models.OpaqueModel)
@@ -130,7 +130,7 @@ def _load(context: Any, build: Any, kind: StructType, block: Any, name: str) -> 
     """Load a field."""
     packer = context.get_arg_packer([kind.fields[name]])
     argument_types = packer.argument_types
-    words = [kind.word(build, block, name, k, one) for k, one in enumerate(argument_types)]
+    words = [kind.word(build, block, name, k, argument) for k, argument in enumerate(argument_types)]
     return packer.from_arguments(build, tuple(words))[0]
 
 

@@ -82,7 +82,7 @@ def _n_kernels(jobs: Sequence[Job]) -> int:
     """Return about how many kernels have to be compiled: the jobs, and what they call and has no file at all."""
     called = {function for job in jobs for function in functions_of(job.kernel.__wrapped__)}
     called -= {job.kernel.__wrapped__ for job in jobs}
-    return len(jobs) + len({f"{one.__module__}.{one.__qualname__}" for one in called} - set(kept_kernels()))
+    return len(jobs) + len({f"{kernel.__module__}.{kernel.__qualname__}" for kernel in called} - set(kept_kernels()))
 
 
 @contextmanager

@@ -13,7 +13,23 @@ from irsim_gym.simulator.world.names import Floats, Group, Ints, Model, Shard, S
 
 
 @kind
-class Omni(motion_noise.NoisyDrive):
+class OmniMotion(motion_noise.NoisyDrive):
+    """How the bodies of both omnidirectional drives move."""
+
+    @staticmethod
+    def begin(group: Group, model: Model, state: State, shard: Shard) -> None:
+        """Write the members' twists at the start of an episode, from their poses and initial velocities."""
+        twist_omni(shard.worlds, group.members, model, state)
+
+    @staticmethod
+    def move(group: Group, model: Model, state: State, shard: Shard) -> None:
+        """Advance the members' poses by one step (explicit Euler with the heading of the step's start)."""
+        executed = motion_noise.executed(group, model, state, shard)
+        move_omni(shard.worlds, group.members, model, state, executed)
+
+
+@kind
+class Omni(OmniMotion):
     """Moves in any direction and keeps its heading; command: two velocities [m/s]."""
 
     command_names: ClassVar[tuple[str, ...]] = ("x", "y")
@@ -50,17 +66,6 @@ class Omni(motion_noise.NoisyDrive):
         yield from motion_noise.negative_variances(self.alpha)
         if len(self.alpha) == 3:
             yield "alpha", "must be 2 numbers, or 4 of which the first and the last count, got 3"
-
-    @staticmethod
-    def begin(group: Group, model: Model, state: State, shard: Shard) -> None:
-        """Write the members' twists at the start of an episode, from their poses and initial velocities."""
-        twist_omni(shard.worlds, group.members, model, state)
-
-    @staticmethod
-    def move(group: Group, model: Model, state: State, shard: Shard) -> None:
-        """Advance the members' positions by one step."""
-        executed = motion_noise.executed(group, model, state, shard)
-        move_omni(shard.worlds, group.members, model, state, executed)
 
 
 @kernel

@@ -5,12 +5,12 @@ from typing import ClassVar
 
 from irsim_gym.bodies.drives import motion_noise
 from irsim_gym.bodies.drives.motion_noise import Variances
-from irsim_gym.bodies.drives.omni import move_omni, twist_omni
-from irsim_gym.simulator.world.names import OMNI_ANGULAR, Group, Model, Shard, State, kind, option
+from irsim_gym.bodies.drives.omni import OmniMotion
+from irsim_gym.simulator.world.names import OMNI_ANGULAR, kind, option
 
 
 @kind
-class OmniAngular(motion_noise.NoisyDrive):
+class OmniAngular(OmniMotion):
     """Moves in any direction while turning; command: forward, left [m/s] and angular velocity [rad/s]."""
 
     command_names: ClassVar[tuple[str, ...]] = ("forward", "left", "angular")
@@ -34,14 +34,3 @@ class OmniAngular(motion_noise.NoisyDrive):
     def problems(self) -> Iterator[tuple[str, str]]:
         """Yield key and message of invalid or conflicting options."""
         yield from motion_noise.negative_variances(self.alpha)
-
-    @staticmethod
-    def begin(group: Group, model: Model, state: State, shard: Shard) -> None:
-        """Write the members' twists at the start of an episode, from their poses and initial velocities."""
-        twist_omni(shard.worlds, group.members, model, state)
-
-    @staticmethod
-    def move(group: Group, model: Model, state: State, shard: Shard) -> None:
-        """Advance the members' poses by one step (explicit Euler with the heading of the step's start)."""
-        executed = motion_noise.executed(group, model, state, shard)
-        move_omni(shard.worlds, group.members, model, state, executed)

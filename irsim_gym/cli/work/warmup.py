@@ -69,7 +69,9 @@ def exercise(scenario: Scenario, task: TaskSource = None) -> None:
         batch.reset(seed=0)
         for _ in range(WARMUP_STEPS):
             batch.step(np.stack([[batch.action_space.sample()] * batch.n_agents]))
-    _draw(scenario)
+    renderer = make_renderer(begin_level(scenario))
+    renderer.frame(0)
+    renderer.close()
 
 
 def _drive(episodes: Episodes) -> None:
@@ -78,9 +80,3 @@ def _drive(episodes: Episodes) -> None:
     for name in ALWAYS_SHOWN:
         with suppress(UnfitBehaviorError):
             next(drive(reference_policy(name), episodes, 1, "train"), None)
-
-
-def _draw(scenario: Scenario) -> None:
-    renderer = make_renderer(begin_level(scenario))
-    renderer.frame(0)
-    renderer.close()

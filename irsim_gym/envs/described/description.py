@@ -17,7 +17,7 @@ from irsim_gym.envs.parts.spaces import action_space, observation_space, observe
 from irsim_gym.tasks import Episodes, HitKind, Outcome
 from irsim_gym.tasks.terms.episode_state import EXTRAS, EpisodeState
 from irsim_gym.tasks.terms.term import IsImage, Term
-from irsim_gym.tasks.terms.words import Columns, Sectors, TellsActions, TellsColumns, TellsWhen, first_sentence
+from irsim_gym.tasks.terms.words import Columns, TellsActions, TellsColumns, TellsWhen, first_sentence
 
 STATE_NAMES = {"is_success": "success"}
 """Keys of infos that ``EpisodeState`` has under another name."""
@@ -141,14 +141,11 @@ def _parts(columns: Sequence[Columns], used: Any, bounds: tuple[Any, Any], start
         if not len(chosen):
             continue
         low, high = (float(values[span][chosen].min()) for values in (lows, -highs))
-        sectors = _degrees([column.sectors[k] for k in chosen]) if column.sectors else ()
+        turned = [column.sectors[k] for k in chosen] if column.sectors else []
+        sectors = tuple((math.degrees(begin), math.degrees(end)) for begin, end in turned)
         parts.append(Part(start, start + len(chosen), column.meaning, column.scale, low, -high + 0.0, sectors))
         start += len(chosen)
     return tuple(parts)
-
-
-def _degrees(sectors: Sequence[tuple[float, float]]) -> Sectors:
-    return tuple((math.degrees(begin), math.degrees(end)) for begin, end in sectors)
 
 
 def _limits(episodes: Episodes, agent: int) -> Floats:

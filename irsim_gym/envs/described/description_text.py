@@ -7,7 +7,7 @@ from html import escape
 from io import StringIO
 from typing import Any
 
-from irsim_gym.envs.described.parts import Block, Described, Part
+from irsim_gym.envs.described.parts import Block, Described
 
 WIDTH = 120
 """Characters in a line of plain text."""
@@ -132,15 +132,9 @@ def _block_rows(block: Block, form: str) -> Iterator[tuple[str, ...]]:
     place = f" in {block.key}" if block.key not in ("", block.name) else ""
     yield "", f"{block.name}{shape}{place}", "", "", f"{block.summary} {block.view}".strip()
     for part in block.parts:
-        yield _span(part), "", f"{part.low:.3g}", f"{part.high:.3g}", _said(part)
-
-
-def _span(part: Part) -> str:
-    return f"{part.start}" if part.stop == part.start + 1 else f"{part.start}:{part.stop}"
-
-
-def _said(part: Part) -> str:
-    return "\n".join(line for line in (f"- {part.meaning}", part.scale, part.directions) if line)
+        span = f"{part.start}" if part.stop == part.start + 1 else f"{part.start}:{part.stop}"
+        meaning = "\n".join(filter(None, (f"- {part.meaning}", part.scale, part.directions)))
+        yield span, "", f"{part.low:.3g}", f"{part.high:.3g}", meaning
 
 
 def _action_sheets(description: Described) -> Iterator[Sheet]:

@@ -214,9 +214,9 @@ def spec_of(scenario: Any, kwargs: dict[str, Any]) -> ScenarioSpec:
 
 def _resolve(scenario: ScenarioSource, kwargs: dict[str, Any]) -> tuple[str, dict[str, Any]]:
     """Return the id to make and its arguments."""
-    one = IDS.find(scenario)
-    if one is None and isinstance(scenario, str) and scenario in every_scenario():
-        one = env_id(scenario)
-    if one is not None and one in gymnasium.registry:
-        return one, kwargs
+    name = IDS.find(scenario)
+    if name is None and isinstance(scenario, str) and scenario in every_scenario():
+        name = env_id(scenario)
+    if name is not None and name in gymnasium.registry:
+        return name, kwargs
     return ANY, {**kwargs, "scenario": str(scenario) if isinstance(scenario, Path) else scenario}

@@ -177,9 +177,9 @@ class MixtureVecEnv(VecEnv):
         self, wrapper_class: type[gymnasium.Wrapper[Any, Any, Any, Any]], indices: Indices = None
     ) -> list[bool]:
         """Return True for ``Monitor`` only; see ``NativeVecEnv``."""
-        found = self._each(indices, lambda batch, slot: batch.env_is_wrapped(wrapper_class, [slot])[0])
+        answers = self._each(indices, lambda batch, slot: batch.env_is_wrapped(wrapper_class, [slot])[0])
         self.statistics_asked = any(batch.statistics_asked for batch in self._batches)
-        return found
+        return answers
 
     def _place(self, slot: int) -> tuple[int, int]:
         """Return the number of the batch of a slot, and the slot within it."""
@@ -229,9 +229,9 @@ def _check_alike(parts: Mapping[str, NativeVecEnv]) -> None:
 def _sizes(env: NativeVecEnv) -> dict[str, str]:
     """Return the shape of each part of an observation by its name, in order."""
     episodes = env.worlds.episodes
-    found = {name: str(len(low)) for name, low, _ in episodes.observation_terms}
-    found |= {name: str(part.shape[2:]) for name, part in episodes.view.images.items()}
-    return {**found, "observation_form": episodes.task.observation_form}
+    sizes = {name: str(len(low)) for name, low, _ in episodes.observation_terms}
+    sizes |= {name: str(part.shape[2:]) for name, part in episodes.view.images.items()}
+    return {**sizes, "observation_form": episodes.task.observation_form}
 
 
 def _action(env: NativeVecEnv) -> dict[str, str]:
@@ -241,7 +241,7 @@ def _action(env: NativeVecEnv) -> dict[str, str]:
 
 def _difference(ours: Mapping[str, str], theirs: Mapping[str, str]) -> str:
     """Return in words what ``ours`` has and ``theirs`` has not."""
-    found = [f"{name} ({size})" for name, size in ours.items() if theirs.get(name) != size]
-    if not found and set(ours) == set(theirs):
+    differing = [f"{name} ({size})" for name, size in ours.items() if theirs.get(name) != size]
+    if not differing and set(ours) == set(theirs):
         return f"the order {', '.join(ours)}"
-    return ", ".join(found) or "nothing more"
+    return ", ".join(differing) or "nothing more"

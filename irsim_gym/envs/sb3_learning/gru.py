@@ -61,7 +61,7 @@ class GruPPO(PPO):
         assert isinstance(rollout_buffer, SequenceBuffer)
         assert self._last_obs is not None
         assert self._last_episode_starts is not None
-        team = team_below(env) if hasattr(env.unwrapped, "acted") else None
+        space, team = self.action_space, team_below(env) if hasattr(env.unwrapped, "acted") else None
         if team is not None:
             team.leaves_out_waiting = True
         self.policy.set_training_mode(False)
@@ -73,7 +73,8 @@ class GruPPO(PPO):
                 obs = obs_as_tensor(self._last_obs, self.device)  # type: ignore[arg-type]
                 actions, values, log_probs, self.last_memory = self.policy(obs, before, starts)
             done_actions = actions.cpu().numpy()
-            new_obs, rewards, dones, infos = env.step(self._within(done_actions))
+            within = np.clip(done_actions, space.low, space.high) if isinstance(space, Box) else done_actions
+            new_obs, rewards, dones, infos = env.step(within)
             self.num_timesteps += env.num_envs
             callback.update_locals(locals())
             if not callback.on_step():
@@ -93,12 +94,6 @@ class GruPPO(PPO):
 
     def _flags(self, flags: NDArray[Any]) -> torch.Tensor:
         return torch.as_tensor(flags, dtype=torch.float32, device=self.device)
-
-    def _within(self, actions: NDArray[Any]) -> NDArray[Any]:
-        """Return the actions, clipped to the bounds of the action space."""
-        if isinstance(self.action_space, Box):
-            actions = np.clip(actions, self.action_space.low, self.action_space.high)
-        return actions
 
     def _bootstrap_truncated(self, rewards: NDArray[Any], dones: Flags, infos: Sequence[dict[str, Any]]) -> None:
         """Add the discounted value of the last observation to the last reward of each truncated episode."""

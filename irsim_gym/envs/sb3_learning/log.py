@@ -1,5 +1,6 @@
 """Outcomes and reward terms of the episodes of a training, in the logger of Stable-Baselines3."""
 
+from collections import deque
 from typing import Any
 
 import numpy as np
@@ -35,7 +36,9 @@ class LogCallback(BaseCallback):
 
     def __init__(self, *, window: int = 100) -> None:
         super().__init__()
-        self._episodes = _LatestEpisodes(window)
+        if window < 1:
+            raise IrsimGymError(f"LogCallback: window must be at least 1, got {window}")
+        self._latest: deque[tuple[int, Floats]] = deque(maxlen=window)  # outcomes, and what each term paid
         self._sums: Floats = np.zeros((0, 0))
         self._keys: tuple[str, ...] = ()
 
@@ -55,7 +58,7 @@ class LogCallback(BaseCallback):
         self._add(infos, ended)
         finished = [slot for slot in ended.tolist() if infos[slot].get("outcome", Outcome.RUNNING) != Outcome.RUNNING]
         for slot in finished:
-            self._episodes.add(infos[slot]["outcome"], self._sums[slot])
+            self._latest.append((infos[slot]["outcome"], self._sums[slot].copy()))
         self._sums[ended] = 0.0
         if finished:
             self._record()
@@ -77,43 +80,8 @@ class LogCallback(BaseCallback):
         self._sums += paid
 
     def _record(self) -> None:
-        shares, means = self._episodes.shares(), self._episodes.means()
-        for outcome, share in zip(OUTCOMES, shares, strict=True):
-            self.logger.record(f"outcome/{outcome.name.lower()}", share)
-        for key, mean in zip(self._keys, means, strict=True):
+        outcomes, sums = zip(*self._latest, strict=True)
+        for outcome in OUTCOMES:
+            self.logger.record(f"outcome/{outcome.name.lower()}", outcomes.count(outcome) / len(outcomes))
+        for key, mean in zip(self._keys, np.mean(sums, axis=0).tolist(), strict=True):
             self.logger.record(key, mean)
-
-
-class _LatestEpisodes:
-    """Outcomes and sums of reward terms of the latest episodes.
-
-    Args:
-        window: How many.
-    """
-
-    def __init__(self, window: int) -> None:
-        if window < 1:
-            raise IrsimGymError(f"LogCallback: window must be at least 1, got {window}")
-        self._window = window
-        self._outcomes: Ints = np.zeros(window, np.int64)
-        self._sums: Floats | None = None
-        self._count = 0
-
-    def add(self, outcome: int, sums: Floats) -> None:
-        """Add an episode."""
-        if self._sums is None:
-            self._sums = np.zeros((self._window, len(sums)))
-        row = self._count % self._window
-        self._outcomes[row], self._sums[row] = outcome, sums
-        self._count += 1
-
-    def shares(self) -> list[float]:
-        """Return the share of each of ``OUTCOMES``."""
-        counts = np.bincount(self._outcomes[: self._count], minlength=len(Outcome))
-        return [float(counts[outcome]) / min(self._count, self._window) for outcome in OUTCOMES]
-
-    def means(self) -> list[float]:
-        """Return the mean sum of each reward term."""
-        assert self._sums is not None
-        means: list[float] = self._sums[: self._count].mean(axis=0).tolist()
-        return means

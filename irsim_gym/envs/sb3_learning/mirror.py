@@ -1,10 +1,12 @@
 """Learning from mirrored rows as a callback of Stable-Baselines3."""
 
+from dataclasses import asdict
 from typing import Any
 
 import numpy as np
 from gymnasium import Space
 from gymnasium.spaces import Box, Dict, Discrete
+from gymnasium.utils.env_checker import data_equivalence
 from stable_baselines3 import PPO
 from stable_baselines3.common.callbacks import BaseCallback
 from stable_baselines3.common.vec_env import VecEnv, VecTransposeImage, is_vecenv_wrapped, unwrap_vec_normalize
@@ -127,20 +129,7 @@ def common_mirror(env: VecEnv) -> Mirror:
         mirrors: list[Mirror] = env.env_method("mirror")
     except (EOFError, ConnectionError) as error:
         raise IrsimGymError("a worker ended when asked for its mirror: mirror() of one environment says why") from error
-    if not all(mirror is mirrors[0] or _equal(mirror, mirrors[0]) for mirror in mirrors):
+    first = asdict(mirrors[0])
+    if not all(mirror is mirrors[0] or data_equivalence(asdict(mirror), first, exact=True) for mirror in mirrors):
         raise IrsimGymError("mirrored rows need slots that observe and act alike")
     return mirrors[0]
-
-
-def _equal(mirror: Mirror, other: Mirror) -> bool:
-    first, second = _tables(mirror), _tables(other)
-    return first.keys() == second.keys() and all(np.array_equal(first[key], second[key]) for key in first)
-
-
-def _tables(mirror: Mirror) -> dict[tuple[str, str], Any]:
-    """Return all arrays of a mirror."""
-    tables: dict[tuple[str, str], Any] = {("choices", ""): mirror.choices}
-    tables |= {("action", "columns"): mirror.action.columns, ("action", "signs"): mirror.action.signs}
-    tables |= {("image", key): columns for key, columns in mirror.images.items()}
-    tables |= {("columns", key): part.columns for key, part in mirror.vectors.items()}
-    return tables | {("signs", key): part.signs for key, part in mirror.vectors.items()}

@@ -329,7 +329,7 @@ class WorldParallelEnv(OneWorld, ParallelEnv[str, Observation, Any]):  # type: i
         if self.black_death:
             for name, over in self._each(names, seen.over):
                 if over:
-                    seen_by[name] = _zeros_like(seen_by[name])
+                    seen_by[name] = on_each(seen_by[name], np.zeros_like)
         return seen_by
 
     def _infos(self, names: list[str]) -> dict[str, dict[str, Any]]:
@@ -343,9 +343,3 @@ class WorldParallelEnv(OneWorld, ParallelEnv[str, Observation, Any]):  # type: i
             for name, info in infos.items():
                 info["action_mask"] = masks[self._indices[name]].copy()
         return infos
-
-
-def _zeros_like(observation: Observation) -> Observation:
-    """Return what is perceived of an agent that has ended."""
-    zeros: Observation = on_each(observation, np.zeros_like)
-    return zeros

@@ -5,11 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from irsim_gym.envs.gymnasium.replays import agent_values
 from irsim_gym.envs.parts.pictures import make_renderer, world_status
 from irsim_gym.evaluation.policies.perception import Perceived
 from irsim_gym.evaluation.policies.policy import Policy, by_agent
@@ -88,10 +87,6 @@ class Players:
         """Return the title of an episode that has just ended."""
         time = float(self.simulation.state.time[world])
         return f"{self.names[world]}, level {level}: {status.replace('_', ' ')}, {time:.1f} s"
-
-    def values(self, world: int) -> list[dict[str, Any]]:
-        """Return the current data of each agent: outcome, action, rewards and the state of its episode."""
-        return agent_values(self.episodes[world], world)
 
 
 def load_players(

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from irsim_gym.base.arraytypes import Bytes
 from irsim_gym.base.errors import IrsimGymError
+from irsim_gym.envs.gymnasium.replays import agent_values
 from irsim_gym.evaluation.comparison.players import Players, load_players
 from irsim_gym.evaluation.protocol.progress_bars import progress_bar
 from irsim_gym.evaluation.requests.scenario_request import ScenarioRequest
@@ -83,7 +84,7 @@ def recorded_episode(cast: Players, world: int, level: int) -> Recording:
     recording = Recording(scenario, cast.episodes[world].agent_names, details)
     for status in cast.play(world, level):
         scene = cast.renderer.scene(world, status)
-        recording.note(scene, cast.simulation.state.pose[world], cast.values(world))
+        recording.note(scene, cast.simulation.state.pose[world], agent_values(cast.episodes[world], world))
     recording.name = cast.title(world, level, status)
     return recording
 

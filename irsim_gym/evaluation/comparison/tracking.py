@@ -98,10 +98,10 @@ def _compare(
         found: What is added to.
     """
     state, tracks = episodes.simulation.state, episodes.terms["observations"][0].arrays.tracker.tracks[:, 0]
-    known, place = tracks["used"] & (tracks["score"] >= PROOFS), state.pose[:, movers]
+    movers_seen, place = tracks["used"] & (tracks["score"] >= PROOFS), state.pose[:, movers]
     speed = np.where(state.stopped[:, movers, None], 0.0, state.twist[:, movers, :2])
     gap = np.hypot(tracks["x"][:, :, None] - place[:, None, :, 0], tracks["y"][:, :, None] - place[:, None, :, 1])
-    gap[~known] = np.inf
+    gap[~movers_seen] = np.inf
     best, rows = gap.argmin(axis=1), np.arange(len(tracks))[:, None]
     off = gap.min(axis=1)
     wrong = np.hypot(tracks["vx"][rows, best] - speed[..., 0], tracks["vy"][rows, best] - speed[..., 1])
@@ -112,9 +112,9 @@ def _compare(
     found.wrong.append(np.where(has_one, wrong, np.inf)[counts])
     found.switches += int((counts & has_one & (last >= 0) & (last != best)).sum())
     last[counts & has_one] = best[counts & has_one]
-    is_false = known & (tracks["lost"] == 0.0) & (gap.min(axis=2, initial=np.inf) > NEAR)
+    is_false = movers_seen & (tracks["lost"] == 0.0) & (gap.min(axis=2, initial=np.inf) > NEAR)
     found.false += int((is_false & ~ghosts).sum())
-    false: Flags = known & (ghosts | is_false)
+    false: Flags = movers_seen & (ghosts | is_false)
     return false
 
 

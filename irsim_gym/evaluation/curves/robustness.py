@@ -150,8 +150,8 @@ class Robustness:
 
         It is ``0.24``, ``> 0.5`` beyond the strengths played, or ``-`` where it is NaN.
         """
-        found = self.lost_at(factor, policy)
-        return f"> {self.curve(factor, policy)[-1].strength:g}" if math.isinf(found) else number(found, 2)
+        lost = self.lost_at(factor, policy)
+        return f"> {self.curve(factor, policy)[-1].strength:g}" if math.isinf(lost) else number(lost, 2)
 
     def write(self, folder: Path) -> None:
         """Write ``robustness.json``, ``.csv`` and ``.md`` into ``folder``; in JSON, infinite numbers are null."""

@@ -161,19 +161,14 @@ def find_certificate(
     Returns:
         The certificate; None if there is none for these agents and levels.
     """
-    for file in _candidates(scenario):
+    files = [scenario.levels.file] if scenario.levels is not None else []
+    beside = [certificate_beside(Path(file)) for file in (*files, scenario.file) if file]
+    for file in (*beside, shipped_certificate(scenario)):
         if file.is_file():
             cert = read_certificate(file)
             if cert.split == split and cert.agents == tuple(agents) and cert.matches(digest, count):
                 return cert
     return None
-
-
-def _candidates(scenario: Scenario) -> list[Path]:
-    """Return the files in which to look for a certificate."""
-    files = [scenario.levels.file] if scenario.levels is not None else []
-    beside = [certificate_beside(Path(file)) for file in (*files, scenario.file) if file]
-    return [*beside, shipped_certificate(scenario)]
 
 
 def certificate_beside(file: Path) -> Path:

@@ -1,5 +1,6 @@
 """Makes certificates: draws levels, measures them, and adds the results of reference policies."""
 
+import math
 import platform
 from collections.abc import Callable, Mapping, Sequence
 from importlib.metadata import version
@@ -13,12 +14,16 @@ from irsim_gym.evaluation.levels.density import covered_share
 from irsim_gym.evaluation.levels.draw import draw_levels, scenario_hash
 from irsim_gym.evaluation.measures.certificate_measures import LevelMeasures, is_disc, measure_level
 from irsim_gym.evaluation.measures.metrics import OUTCOMES
+from irsim_gym.evaluation.measures.optimum import heeds_goals
 from irsim_gym.evaluation.measures.team_metrics import TeamRow
 from irsim_gym.simulator.cell_paths.outline_room import largest_disc
 from irsim_gym.simulator.engine import Simulation
 from irsim_gym.tasks import Episodes
 
 PACKAGES = ("irsim-gym", "numpy", "numba")
+NO_PATH = LevelMeasures(reachable=True, length=math.inf, straight=0.0, clearance=math.nan, least_time=math.inf), False
+"""What is measured where the task is not about goals of robots: nothing, and a policy has to prove that it can be done.
+"""
 
 
 def certify(
@@ -32,7 +37,8 @@ def certify(
 
     A path through a gap hardly wider than the robot may be missed; the least time is then that of a policy that took
     it. If the robot is not a disc and no path is wide enough for the disc that encloses it, the path of the largest
-    disc within the robot is measured, and the level counts as reachable only if one of the policies arrives.
+    disc within the robot is measured, and the level counts as reachable only if one of the policies arrives. So it is,
+    with no path at all, if the task is not about goals of robots: they push bodies to their targets, for example.
 
     Args:
         episodes: The worlds and the task, which defines the agents and when an episode ends.
@@ -44,10 +50,10 @@ def certify(
         IrsimGymError: If the levels come from a file with fewer levels.
     """
     simulation, measured, density = episodes.simulation, [], []
-    agents = simulation.agents.tolist()
+    agents, has_goals = simulation.agents.tolist(), heeds_goals(episodes.task)
 
     def look(world: int) -> None:
-        measured.append([_measured(simulation, world, body) for body in agents])
+        measured.append([_measured(simulation, world, body) if has_goals else NO_PATH for body in agents])
         density.append(covered_share(simulation.model, simulation.state, world))
 
     drawn = draw_levels(simulation, [split], count, on_levels, look)

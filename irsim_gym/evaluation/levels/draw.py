@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from irsim_gym.base.arraytypes import Flags, Floats, Ints
-from irsim_gym.evaluation.protocol.protocol import check_count
+from irsim_gym.evaluation.protocol.protocol import check_levels
 from irsim_gym.scenario import Scenario
 from irsim_gym.scenario.reading.level_checks import drawn_bodies, without_map
 from irsim_gym.scenario.specs import library
@@ -45,7 +45,7 @@ def draw_levels(
     """
     taker = _LevelCollector(simulation)
     for split in splits:
-        check_count(simulation, split, count)
+        check_levels(simulation.scenario, split, count)
         for first in range(0, count, simulation.n_worlds):
             simulation.reset(first, split)
             n_new = min(simulation.n_worlds, count - first)

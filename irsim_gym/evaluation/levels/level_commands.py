@@ -108,8 +108,10 @@ def _summary(cert: Certificate) -> Iterator[str]:
     """Yield lines that summarise the certificate of all levels."""
     yield f"{cert.name}: {100.0 * cert.reachable.all(axis=1).mean():.1f} % of {cert.count:,} levels are reachable"
     for name in ("length", "clearance", "least_time"):
-        low, middle, high = np.nanpercentile(getattr(cert, name), (5, 50, 95))
-        yield f"  {name:<10} {low:.2f} / {middle:.2f} / {high:.2f}  (5 %, median, 95 %)"
+        values = getattr(cert, name)
+        if np.isfinite(values).any():
+            low, middle, high = np.nanpercentile(values, (5, 50, 95))
+            yield f"  {name:<10} {low:.2f} / {middle:.2f} / {high:.2f}  (5 %, median, 95 %)"
     for policy, outcome in zip(cert.policies, cert.outcome, strict=True):
         yield f"  {policy:<10} succeeds in {100.0 * (outcome == OUTCOMES.index('success')).mean():.1f} %"
 

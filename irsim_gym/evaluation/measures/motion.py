@@ -52,9 +52,6 @@ class MotionLog:
         self._count[worlds] += counts
         self._velocity[worlds], self._change[worlds] = velocity, change
 
-    def ended(self, episodes: Episodes, worlds: Ints, indices: Ints) -> None:
-        """Do nothing: the figures stay until the next level begins."""
-
     def acceleration(self, world: int, agent: int) -> float:
         """Return the mean size of an agent's acceleration [m/s2]; NaN without a step."""
         count = int(self._count[world, agent])

@@ -8,7 +8,7 @@ import numpy as np
 from irsim_gym.base.arraytypes import Floats, Ints
 from irsim_gym.evaluation.measures.certificate_measures import least_steps
 from irsim_gym.simulator.cell_paths.queries import free_path_length
-from irsim_gym.tasks import Episodes
+from irsim_gym.tasks import Episodes, Task
 
 
 class Optima:
@@ -46,9 +46,6 @@ class Optima:
     def stepped(self, episodes: Episodes, worlds: Ints) -> None:
         """Do nothing."""
 
-    def ended(self, episodes: Episodes, worlds: Ints, indices: Ints) -> None:
-        """Do nothing."""
-
     def _legs_of(self, episodes: Episodes, world: int, level: int, agent: int) -> list[float]:
         """Return the lengths of the paths from goal to goal [m]."""
         if (level, agent) not in self._legs:
@@ -57,13 +54,18 @@ class Optima:
 
     @staticmethod
     def _measure(episodes: Episodes, world: int, agent: int) -> list[float]:
-        simulation, task = episodes.simulation, episodes.task
-        if not any(term.needs_goal for term in (*task.observations, *task.rewards, *task.endings)):
-            return [math.inf]  # nobody heeds a goal, if there is one
+        if not heeds_goals(episodes.task):
+            return [math.inf]
+        simulation = episodes.simulation
         model, state = simulation.model, simulation.state
         radius = float(model.reach[world % len(model.reach), simulation.agents[agent]])
         ways = pairwise(stops(episodes, world, agent))
         return [free_path_length(model, state, world, radius, begin, end) for begin, end in ways]
+
+
+def heeds_goals(task: Task) -> bool:
+    """Return whether a task is about the goals of its robots, and not, for example, about those of bodies they push."""
+    return any(term.needs_goal for term in (*task.observations, *task.rewards, *task.endings))
 
 
 def stops(episodes: Episodes, world: int, agent: int) -> Floats:

@@ -14,6 +14,3 @@ class Watcher(Protocol):
 
     def stepped(self, episodes: Episodes, worlds: Ints) -> None:
         """Handle that worlds have taken a step."""
-
-    def ended(self, episodes: Episodes, worlds: Ints, indices: Ints) -> None:
-        """Handle that the episodes of all agents of worlds have ended."""

@@ -15,7 +15,6 @@ from irsim_gym.evaluation.measures.pushes import delivered
 from irsim_gym.evaluation.measures.watcher import Watcher
 from irsim_gym.evaluation.policies.policy import Actions, ObservationPolicy, Policy, by_agent
 from irsim_gym.scenario.specs.spec import Scenario
-from irsim_gym.simulator.engine import Simulation
 from irsim_gym.simulator.world.model import KEEP_GOAL
 from irsim_gym.tasks import Episodes, Outcome
 
@@ -73,11 +72,6 @@ def optima_of(split: str, optima: Optima | None) -> Optima:
     return Optima(split) if optima is None else optima
 
 
-def check_count(simulation: Simulation, split: str, count: int) -> None:
-    """Check the number of levels, see ``check_levels``."""
-    check_levels(simulation.scenario, split, count)
-
-
 def check_levels(scenario: Scenario, split: str, count: int) -> None:
     """Check that a file has at least ``count`` levels, since further ones would repeat them.
 
@@ -88,9 +82,9 @@ def check_levels(scenario: Scenario, split: str, count: int) -> None:
     levels = scenario.levels
     if levels is None:
         return
-    _, here = levels.rows(split)
-    if count > here:
-        raise IrsimGymError(f"{levels.file} has {here:,} {split} levels, but {count:,} are asked for: ask for fewer")
+    _, indices = levels.rows(split)
+    if count > indices:
+        raise IrsimGymError(f"{levels.file} has {indices:,} {split} levels, but {count:,} are asked for: ask for fewer")
 
 
 def drive(
@@ -107,7 +101,7 @@ def drive(
         Positions of the ended levels in ``levels``, the worlds that played them, and the levels.
     """
     chosen = np.arange(levels, dtype=np.int64) if isinstance(levels, int) else np.asarray(levels, dtype=np.int64)
-    check_count(episodes.simulation, split, int(chosen.max(initial=-1)) + 1)
+    check_levels(episodes.simulation.scenario, split, int(chosen.max(initial=-1)) + 1)
     driver = policy if isinstance(policy, Policy) else ObservationPolicy(policy)
     told = [watcher for watcher in watchers if watcher is not None]
     for indices, worlds in _run(driver, episodes, chosen, split, told):
@@ -143,8 +137,6 @@ def _run(
             watcher.stepped(episodes, running)
         idle = running[(episodes.view.infos["outcome"][running] != Outcome.RUNNING).all(axis=1)]
         if idle.size:
-            for watcher in watchers:
-                watcher.ended(episodes, idle, episode[idle])
             yield episode[idle], idle
 
 

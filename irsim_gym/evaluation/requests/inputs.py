@@ -95,6 +95,6 @@ def check_folder(folder: Path | None) -> None:
     """
     if folder is None:
         return
-    file = next((one for one in (folder, *folder.parents) if one.exists() and not one.is_dir()), None)
+    file = next((place for place in (folder, *folder.parents) if place.exists() and not place.is_dir()), None)
     if file is not None:
         raise IrsimGymError(f"--out names a folder for the results, and {file} is a file")

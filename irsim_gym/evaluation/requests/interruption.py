@@ -23,16 +23,6 @@ class TrainingInterruptedError(IrsimGymError):
         self.signal = number
 
 
-def stopped_early(steps: int, number: int) -> TrainingInterruptedError:
-    """Return the error of a run that a signal stopped after ``steps`` steps."""
-    return TrainingInterruptedError(f"stopped after {steps:,} steps; nothing is lost", number)
-
-
-def stopped_at_end(steps: int, number: int) -> TrainingInterruptedError:
-    """Return the error of a run that a signal stopped after its last step."""
-    return TrainingInterruptedError(f"stopped after all {steps:,} steps; the run is finished", number)
-
-
 @contextmanager
 def ctrl_c_as_error(message: str) -> Iterator[None]:
     """Convert a ``KeyboardInterrupt`` to an error with this message.

@@ -244,6 +244,6 @@ def _curves(record: Mapping[str, Any], card: PolicyCard) -> dict[str, CardCurve]
     for row in record["rows"]:
         lost, factor = record["lost_5_points_at"][row["policy"]], row["factor"]
         if played[f"policy {row['policy']}"] == card.sha256 and factor in lost:
-            known = {"levels": played["levels"], "split": played["split"], "played_to": row["strength"]}
-            curves[factor] = CardCurve(unit=row["unit"], lost_at=lost[factor], **known)
+            conditions = {"levels": played["levels"], "split": played["split"], "played_to": row["strength"]}
+            curves[factor] = CardCurve(unit=row["unit"], lost_at=lost[factor], **conditions)
     return curves

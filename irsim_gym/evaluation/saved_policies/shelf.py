@@ -65,7 +65,8 @@ class ShelfPolicy:
         self.card = card
         self.perception: Mapping[str, Any] | None = form.get("perception")
         self.observation_space = _observation_space(form["observation"], arrays)
-        self.action_space = _action_space(form["action"], arrays)
+        acts = form["action"]
+        self.action_space = Discrete(acts["n"]) if "n" in acts else _box("action", acts["dtype"], arrays)
         self.output: str = form["output"]
         self.parts: dict[str, Sequence[Options]] = form["parts"]
         self.trunk: Sequence[Options] = form["trunk"]
@@ -243,10 +244,6 @@ def _arrays_of(place: str, steps: Sequence[Options], arrays: Mapping[str, NDArra
 def _observation_space(form: Mapping[str, str], arrays: Mapping[str, NDArray[Any]]) -> Space[Any]:
     spaces: dict[str, Space[Any]] = {name: _box(f"observation/{name}", dtype, arrays) for name, dtype in form.items()}
     return spaces[LONE] if list(spaces) == [LONE] else Dict(spaces)
-
-
-def _action_space(form: Mapping[str, Any], arrays: Mapping[str, NDArray[Any]]) -> Box | Discrete:
-    return Discrete(form["n"]) if "n" in form else _box("action", form["dtype"], arrays)
 
 
 def _box(place: str, dtype: str, arrays: Mapping[str, NDArray[Any]]) -> Box:

@@ -19,7 +19,12 @@ def print_shelf() -> None:
         table.add_column(Text(head), no_wrap=head == "policy", justify="right" if head in ("CPU s", "kB") else "left")
     for file in shelf_files().values():
         card = _card(file)
-        shown = [result for result in card.results if _is_of_training(result, card)] or card.results
+        own = [
+            result
+            for result in card.results
+            if (result.scenario, result.parameters) == (None, card.scenario.parameters)
+        ]
+        shown = own or card.results
         figures = percent(shown[0].success), f"{shown[0].levels:,} {shown[0].split}"
         cells = (card.name, _trained_in(card, briefly=True), card.scenario.task or "its own", *figures, _needed(card))
         table.add_row(*map(Text, (*cells, f"{card.training.cpu_seconds:.0f}", f"{card.size / 1000:.0f}")))
@@ -85,10 +90,6 @@ def _lines(card: PolicyCard) -> list[str]:
 
 def _needed(card: PolicyCard) -> str:
     return "not said" if card.needs is None else ", ".join(card.needs) or "nothing"
-
-
-def _is_of_training(result: CardResult, card: PolicyCard) -> bool:
-    return result.scenario is None and result.parameters == card.scenario.parameters
 
 
 def _trained_in(card: PolicyCard, *, briefly: bool = False) -> str:

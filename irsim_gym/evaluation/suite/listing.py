@@ -26,7 +26,7 @@ def print_suite(names: Sequence[str]) -> None:
     for tier, those in suite.tiers.items():
         print(f"{tier}: {len(those)} benchmarks")
     for member in members:
-        tiers = ", ".join(suite.tiers_of(member.name)) or "no tier"
+        tiers = ", ".join(tier for tier, those in suite.tiers.items() if member.name in those) or "no tier"
         robots = f", {_robots(member)} robots" if member.team else ""
         print(f"\n{member.name} ({tiers}{robots})")
         for line in _lines(member, env_id(member.scenario)):

@@ -94,10 +94,6 @@ class Suite:
             chosen_names.update(self.tiers.get(name, (name,)))
         return [member for name, member in self.members.items() if name in chosen_names]
 
-    def tiers_of(self, name: str) -> list[str]:
-        """Return the tiers that hold a member."""
-        return [tier for tier, names in self.tiers.items() if name in names]
-
 
 @cache
 def shipped_suite() -> Suite:

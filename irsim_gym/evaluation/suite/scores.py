@@ -182,7 +182,7 @@ def _median_latency(policies: Sequence[Mapping[str, Any]]) -> dict[str, float] |
         policies: Entries of the policies in the record, which hold None where all latencies cost less.
     """
     lost = [policy["latency_at_loss"] for policy in policies if "latency_at_loss" in policy]
-    return {**lost[0], "value": median(one["value"] or math.inf for one in lost)} if lost else None
+    return {**lost[0], "value": median(row["value"] or math.inf for row in lost)} if lost else None
 
 
 def _success(summaries: Sequence[TeamSummary]) -> Estimate:

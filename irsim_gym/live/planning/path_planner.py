@@ -89,8 +89,8 @@ class PathPlanner:
             corners = model.bounds.reshape(2, 2).tolist()
             points = sampled_way(method, corners, *ends, is_free, Sampling(iterations, seed))
         else:
-            known = ", ".join(("shortest", "astar", "jps", *SAMPLERS))
-            raise ValueError(f"unknown method {method!r}: one of {known} finds a path")
+            names = ", ".join(("shortest", "astar", "jps", *SAMPLERS))
+            raise ValueError(f"unknown method {method!r}: one of {names} finds a path")
         return points if len(points) else None
 
     def _own_radius(self) -> float:

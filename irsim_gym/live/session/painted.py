@@ -42,10 +42,10 @@ class PaintedBeams:
     def marks(self, simulation: Simulation) -> Iterator[Mark]:
         """Yield the beams as they are now."""
         for name, (beams, colour, alpha) in self._looks.items():
-            found = simulation.scan(simulation.body(name)) if name in simulation.parts.names else None
-            if found is None:
+            own_scan = simulation.scan(simulation.body(name)) if name in simulation.parts.names else None
+            if own_scan is None:
                 continue
-            group, k = found
+            group, k = own_scan
             ranges, (x, y, turn) = group.arrays["ranges"][0, k], getattr(group.options[k], "offset", (0.0, 0.0, 0.0))
             place = simulation.state.pose[0, group.members[k]]
             cosine, sine = np.cos(place[2]), np.sin(place[2])

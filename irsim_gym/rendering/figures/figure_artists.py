@@ -91,8 +91,8 @@ class SceneArtists:
         for scan in scene.scans:
             for beams in vocabulary.scan(scan.style, len(scan.ends)):
                 yield from self._beams(beams, scan)
-        for label in clear_of_flags(scene.labels, scene.goals, self._metre):
-            yield from self._label(label)
+        for label in scene.labels:
+            yield from self._label(clear_of_flags(label, scene.goals, self._metre))
         for primitive in _free(scene):
             yield from self._placed(primitive, scene)
 
@@ -266,18 +266,14 @@ def speed_colours(inks: primitives.SpeedInks, speeds: Floats) -> Floats:
     return np.asarray((1.0 - share) * np.array(rgba(inks.rest)) + share * ends)
 
 
-def clear_of_flags(labels: Sequence[LabelView], goals: Sequence[GoalView], point: float) -> list[LabelView]:
-    """Return labels, with those that would cover a goal's flag moved below their bodies.
+def clear_of_flags(view: LabelView, goals: Sequence[GoalView], point: float) -> LabelView:
+    """Return a label, moved below its body if it would cover the flag of a goal.
 
     Args:
-        labels: The labels.
+        view: The label.
         goals: The visible goals.
         point: Length of a typographic point in the world [m].
     """
-    return [_lowered(view, goals, point) for view in labels]
-
-
-def _lowered(view: LabelView, goals: Sequence[GoalView], point: float) -> LabelView:
     size = view.style.label_size * point
     height, half = vocabulary.LABEL_HEIGHT * size, 0.5 * vocabulary.LETTER_WIDTH * size * len(view.text)
     wide, high = (side * point for side in theme.FLAG)

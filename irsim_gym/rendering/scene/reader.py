@@ -93,7 +93,8 @@ class SceneReader:
         present = model.present[world]
         fixed = self._fixed_views(world, present)
         moving = tuple(self._bodies.view(world, body) for body in self._moving_bodies if present[body])
-        goals = self._goals(world)
+        aims = np.flatnonzero(model.has_goal & present & self._shows_goal).tolist()
+        goals = tuple(self._goal(world, body) for body in aims)
         return Scene(
             world=world,
             bounds=model.bounds.copy(),
@@ -149,10 +150,6 @@ class SceneReader:
         robots = self._robots[state.collided[world, self._robots]]
         bodies = {*robots.tolist(), *state.hit[world, robots].tolist()}
         return tuple(view for view in views if view.body in bodies) if bodies else ()
-
-    def _goals(self, world: int) -> tuple[GoalView, ...]:
-        shown = self._model.has_goal & self._model.present[world] & self._shows_goal
-        return tuple(self._goal(world, body) for body in np.flatnonzero(shown).tolist())
 
     def _goal(self, world: int, body: int) -> GoalView:
         model, state = self._model, self._state

@@ -50,7 +50,8 @@ def fit_bag(bag: Bag, no_return: str = "") -> BagFit:
         no_return: ``"zero"`` for a scanner that reports 0 where nothing is in range.
     """
     times = {role: _times(bag, role) for role in ("command", "scan", "odometry")}
-    periods = {role: _period(found) for role, found in times.items() if len(found) > 1}
+    gaps = {role: np.diff(moments) for role, moments in times.items() if len(moments) > 1}
+    periods = {role: Estimate(*np.quantile(gap, (0.5, 0.05, 0.95)).tolist()) for role, gap in gaps.items()}
     commands, velocities = (
         np.array([twist(event.message) for event in bag.of(role)]).reshape(-1, 3) for role in ("command", "odometry")
     )
@@ -58,11 +59,11 @@ def fit_bag(bag: Bag, no_return: str = "") -> BagFit:
     delay, tau = fit_lag(times["command"], commands, times["odometry"], velocities)
     latency = delay if isinstance(delay, str) else Estimate(wait + delay.value, wait + delay.low, wait + delay.high)
     messages = [event.message for event in bag.of("scan")]
-    if len(messages) < LEAST_SCANS or len({len(one.ranges) for one in messages}) > 1 or not len(velocities):
+    if len(messages) < LEAST_SCANS or len({len(message.ranges) for message in messages}) > 1 or not len(velocities):
         why = "it has too few scans of the same number of beams, or no odometry"
         return BagFit(periods, wait, latency, tau, why, why, "none")
-    ranges = np.array([one.ranges for one in messages])
-    broken = np.array([lost_beams(one, no_return) for one in messages])
+    ranges = np.array([message.ranges for message in messages])
+    broken = np.array([lost_beams(message, no_return) for message in messages])
     seen = np.isfinite(ranges) & ~broken & (ranges < messages[0].range_max) & (ranges > 0.0)
     nearest = np.clip(np.searchsorted(times["odometry"], times["scan"]), 0, len(velocities) - 1)
     stands = np.abs(velocities[nearest]).max(axis=1) < STILL
@@ -76,10 +77,6 @@ def _times(bag: Bag, role: str) -> Floats:
     return np.array([seconds(one.header.stamp) if hasattr(one, "header") else time for one, time in messages])
 
 
-def _period(times: Floats) -> Estimate:
-    return Estimate(*np.quantile(np.diff(times), (0.5, 0.05, 0.95)).tolist())
-
-
 def _wait(commands: Floats, scans: Floats) -> float:
     """Return how old the newest scan is when a command is given [s]; 0 without scans or commands."""
     after = commands[commands >= scans[0]] if len(scans) else commands[:0]
@@ -91,10 +88,10 @@ def _noise(known: Floats, stands: Flags) -> Estimate | str:
     pairs = np.flatnonzero(stands[1:] & stands[:-1])
     changes = [one[np.isfinite(one)] for one in np.abs(known[pairs + 1] - known[pairs])]
     # Two ranges differ by sqrt(2) times the noise; the median, since bodies may move through some beams.
-    found = np.array([1.4826 * np.median(one) / np.sqrt(2.0) for one in changes if len(one) >= LEAST_SCANS])
-    if len(found) < LEAST_SCANS:
+    deviations = np.array([1.4826 * np.median(one) / np.sqrt(2.0) for one in changes if len(one) >= LEAST_SCANS])
+    if len(deviations) < LEAST_SCANS:
         return "the robot hardly stands still"
-    middle, off = float(found.mean()), 1.96 * float(found.std()) / np.sqrt(len(found))
+    middle, off = float(deviations.mean()), 1.96 * float(deviations.std()) / np.sqrt(len(deviations))
     return Estimate(middle, max(middle - off, 0.0), middle + off)
 
 

@@ -10,7 +10,7 @@ from irsim_gym.base.arraytypes import Floats
 from irsim_gym.base.errors import IrsimGymError
 from irsim_gym.evaluation.policies.perception import Perceived
 from irsim_gym.evaluation.policies.policy import by_agent
-from irsim_gym.evaluation.protocol.protocol import check_count
+from irsim_gym.evaluation.protocol.protocol import check_levels
 from irsim_gym.evaluation.requests.inputs import check_inputs
 from irsim_gym.evaluation.requests.remembered import as_trained
 from irsim_gym.evaluation.requests.scenario_request import ScenarioRequest
@@ -51,7 +51,7 @@ def write_bag(asked: ScenarioRequest, source: str, folder: Path, level: int = 0,
     check_inputs(asked, policies=[source], split=split)
     policy, world, levels = load_policy(source), np.zeros(1, np.int64), np.array([level])
     played, rows = Perceived(as_trained(asked, [source]).episodes(1)).of(policy), list[tuple[Measured, Floats]]()
-    check_count(played.simulation, split, level + 1)
+    check_levels(played.simulation.scenario, split, level + 1)
     played.begin(world, levels, split)
     policy.begin(played, world, levels)
     while played.view.infos["outcome"][0, 0] == Outcome.RUNNING:

@@ -94,13 +94,9 @@ def share(key: str, value: object, count: int, place: Place, report: Report) -> 
             return _one_each(value, count, place)
         report.add(place, f"must be one value, or a list of {count} (one per body), got {show(value)}")
         return Shared(())
-    if all(_is_number(item) for item in value):
+    if all(isinstance(item, int | float) for item in value):
         return Shared(((place, value),))
     return _one_each(value, count, place)
-
-
-def _is_number(value: object) -> bool:
-    return isinstance(value, int | float)
 
 
 def _one_each(value: list[Any], count: int, place: Place) -> Shared:

@@ -61,7 +61,8 @@ def doubts(scenario: Scenario) -> tuple[Problem, ...]:
     """Return remarks about suspicious values, in the order of their lines."""
     problems = [*scenario.doubts, *_world_notes(scenario), *_view_notes(scenario), *_level_notes(scenario)]
     for body in scenario.bodies:
-        problems += [Problem(body.line, body.name, message) for message in _body_notes(body, scenario)]
+        messages = [*_angle_notes(body), *(_stride_notes(body, scenario) if body.goal else ())]
+        problems += [Problem(body.line, body.name, message) for message in messages]
     return _in_order(problems)
 
 
@@ -135,12 +136,6 @@ def _view_notes(scenario: Scenario) -> Iterator[Problem]:
             for width in value if isinstance(value, list) else [value]:
                 if width is not None and width > LARGEST_ANGLE:
                     yield scenario.source.problem((*entry.place, "fov"), f"fov {width:g} exceeds a turn: {DEGREES}")
-
-
-def _body_notes(body: BodySpec, scenario: Scenario) -> Iterator[str]:
-    yield from _angle_notes(body)
-    if body.goal:
-        yield from _stride_notes(body, scenario)
 
 
 def _stride_notes(body: BodySpec, scenario: Scenario) -> Iterator[str]:

@@ -64,16 +64,16 @@ def check_commands(commands: object, bodies: Ints, scenario: Scenario, n_worlds:
     names = max((drive.command_names for drive in drives if drive is not None), key=len, default=())
     if not names:
         raise ValueError(f"'{scenario.bodies[int(bodies[0])].name}' takes no commands: it has no kinematics")
-    given = np.asarray(commands, np.float64)
+    numbers = np.asarray(commands, np.float64)
     shape = (n_worlds, len(bodies), len(names))
-    outer = zip(reversed(given.shape[:-1]), reversed(shape[:-1]), strict=False)
-    fits = 0 < given.ndim <= 3 and given.shape[-1] in (len(names), 3) and all(n in (1, m) for n, m in outer)
+    outer = zip(reversed(numbers.shape[:-1]), reversed(shape[:-1]), strict=False)
+    fits = 0 < numbers.ndim <= 3 and numbers.shape[-1] in (len(names), 3) and all(n in (1, m) for n, m in outer)
     if not fits:
         raise ValueError(
             f"commands are {len(names)} numbers ({', '.join(names)}), or an array (n_worlds, n_bodies, {len(names)}) = "
-            f"{shape} of them, or anything that is broadcast to that; got shape {given.shape}"
+            f"{shape} of them, or anything that is broadcast to that; got shape {numbers.shape}"
         )
-    return given
+    return numbers
 
 
 def _bodies(given: object, scenario: Scenario, what: str) -> Ints:

@@ -30,11 +30,11 @@ def with_scans(group: Group, bodies: Sequence[object], sensors: Sequence[Group])
         return [blind, *with_scans(rest, bodies, sensors)]
     pairs = [find_sensor(bodies, sensors, b, RANGES) for b in group.members.tolist()]
     # Distinct groups of sensors, in the order of members; ``place`` numbers each member's group among them.
-    own = list({id(item[0]): item[0] for item in pairs if item is not None}.values())
+    groups = list({id(item[0]): item[0] for item in pairs if item is not None}.values())
     numbers = np.array([-1 if item is None else item[1] for item in pairs], np.int64)
-    place = np.array([0 if item is None else own.index(item[0]) for item in pairs], np.int64)
-    parts = [np.flatnonzero(place == i) for i in range(len(own))]
-    return [_part(group, part, own_scan(scanners, numbers[part])) for part, scanners in zip(parts, own, strict=True)]
+    place = np.array([0 if item is None else groups.index(item[0]) for item in pairs], np.int64)
+    parts = [np.flatnonzero(place == i) for i in range(len(groups))]
+    return [_part(group, part, own_scan(scanners, numbers[part])) for part, scanners in zip(parts, groups, strict=True)]
 
 
 def _part(group: Group, chosen: Ints, scan: OwnScan | None = None) -> Group:

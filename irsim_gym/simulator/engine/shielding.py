@@ -52,9 +52,9 @@ def lay_shield(simulation: Simulation, options: Any, agents: Ints) -> Shielding:
     pending = np.zeros((*shape, sum(queue.shape[1] * queue.shape[2] for queue in queues), 3))
     response = Response(place, pending, np.zeros(shape, np.int64), np.ones(shape), np.zeros(shape))
     shielding = Shielding([], disturbances, response, np.zeros(shape, np.int64))
-    found = [find_sensor(bodies, parts.sensors, b, RANGES) for b in agents.tolist()]
+    sensors = [find_sensor(bodies, parts.sensors, b, RANGES) for b in agents.tolist()]
     for scanners in parts.sensors:
-        chosen = [(b, one[1]) for b, one in zip(agents.tolist(), found, strict=True) if one and one[0] is scanners]
+        chosen = [(b, one[1]) for b, one in zip(agents.tolist(), sensors, strict=True) if one and one[0] is scanners]
         if chosen:
             members, numbers = np.array(chosen, np.int64).T.copy()
             group = Group(type(options), [options] * len(chosen), members, scan=own_scan(scanners, numbers))

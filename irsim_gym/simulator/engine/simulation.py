@@ -98,8 +98,8 @@ class Simulation:
         """Return marks, for a renderer: believed outlines, blind sectors, tracks, and contacts that bodies feel."""
         parts = self.parts
         felt = contact_marks(parts.sensors, parts.pushing, world)
-        own = [group.tracked.tracker for group in (*parts.behaviors, *parts.group_behaviors) if group.tracked]
-        tracks = track_marks([*filter(None, own), *self.trackers], self.model, self.state, world)
+        trackers = [group.tracked.tracker for group in (*parts.behaviors, *parts.group_behaviors) if group.tracked]
+        tracks = track_marks([*filter(None, trackers), *self.trackers], self.model, self.state, world)
         return (*marks_of(parts.disturbances, self.model, self.state, world), *tracks, *felt)
 
     @property

@@ -30,11 +30,11 @@ def track_marks(trackers: Sequence[Tracker], model: Model, state: State, w: int)
     """
     for tracker in trackers:
         for a in np.flatnonzero((tracker.noted[w] >= 0) & (state.step[w] - tracker.noted[w] < 2)).tolist():
-            for one in filter(is_mover, tracker.tracks[w, a]):
-                place, move = one.x + 1j * one.y, one.vx + 1j * one.vy
+            for track in filter(is_mover, tracker.tracks[w, a]):
+                place, move = track.x + 1j * track.y, track.vx + 1j * track.vy
                 head = place + move * np.array([0.0, 1.0, 0.8 + 0.1j, 1.0, 0.8 - 0.1j])
-                for line, closed in ((place + one.radius * RIM, True), (head, False)):
-                    points, style = np.column_stack([line.real, line.imag]), "solid" if one.lost == 0.0 else "dotted"
+                for line, closed in ((place + track.radius * RIM, True), (head, False)):
+                    points, style = np.column_stack([line.real, line.imag]), "solid" if track.lost == 0.0 else "dotted"
                     yield LineMark(points, TRACKED, 1.0, 1.5, style, closed, "", CONTACTS)
     if trackers:
         x, y = (model.bounds[:2] + 0.02 * (model.bounds[2:] - model.bounds[:2])).tolist()

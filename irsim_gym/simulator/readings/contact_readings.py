@@ -131,8 +131,8 @@ class ContactReadings(BodyReadings, ABC):
         push, w, b = self._context.pushing, self._w, self._b
         if push is None:
             return BodyContact(False, self._vector(np.zeros(2)))
-        records = [one for one in self._records() if b in (one.a._b, one.b._b)]
-        reports = [one.report(self) for one in records]
+        records = [record for record in self._records() if b in (record.a._b, record.b._b)]
+        reports = [record.report(self) for record in records]
         x, y, contact_time, air_time, touches, changed = push.felt[w, b].item()
         began, force = (changed and touches, changed and not touches), self._vector(np.array([x, y]))
         return BodyContact(touches, force, contact_time, air_time, *began, records, reports)

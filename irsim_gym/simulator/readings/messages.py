@@ -30,7 +30,7 @@ class Message(metaclass=_Kind):
 
 def _plain(value: Any) -> Any:
     if isinstance(value, list):
-        return [_plain(one) for one in value]
+        return [_plain(entry) for entry in value]
     return value.to_dict() if isinstance(value, Message) else getattr(value, "tolist", lambda: value)()
 
 

@@ -159,9 +159,9 @@ def find_clusters(size: float, joined: Rays, points: Floats, clusters: Records) 
                 left, right, low, high = min(left, x[i]), max(right, x[i]), min(low, y[i]), max(high, y[i])
             i = i + 1 if i < n_beams - 1 else 0
         if max(right - left, high - low) <= size:
-            one = clusters[count]
-            one.x, one.y, one.track = 0.5 * (left + right), 0.5 * (low + high), -1
-            one.first, one.last = n_points, j
+            cluster = clusters[count]
+            cluster.x, cluster.y, cluster.track = 0.5 * (left + right), 0.5 * (low + high), -1
+            cluster.first, cluster.last = n_points, j
             n_points, count = j, count + 1
     return count
 

@@ -101,18 +101,18 @@ def follow(at: Moment, tracker: Tracker) -> None:
             if tracks[t].score >= PROOFS and tracks[t].cluster >= 0:
                 count = claim(at, t, count, tracker)
     for t in range(tracks.shape[0]):
-        one = tracks[t]
-        if one.used and one.score < PROOFS and one.cluster >= 0:
-            if clusters[one.cluster].track >= 0:
-                one.cluster = -1
+        track = tracks[t]
+        if track.used and track.score < PROOFS and track.cluster >= 0:
+            if clusters[track.cluster].track >= 0:
+                track.cluster = -1
             else:
-                clusters[one.cluster].track = t
-        if one.used and one.cluster >= 0:
-            points = kept[:, clusters[one.cluster].first : clusters[one.cluster].last]
-            measure(at, one, points, tracker)
-            judge(at, one, points, tracker)
-        elif one.used:
-            miss(at, one, tracker)
+                clusters[track.cluster].track = t
+        if track.used and track.cluster >= 0:
+            points = kept[:, clusters[track.cluster].first : clusters[track.cluster].last]
+            measure(at, track, points, tracker)
+            judge(at, track, points, tracker)
+        elif track.used:
+            miss(at, track, tracker)
     for c in range(count):
         if clusters[c].track < 0:
             begin(at, clusters[c], kept[:, clusters[c].first : clusters[c].last], tracker)
@@ -291,9 +291,9 @@ def begin(at: Moment, cluster: Any, points: Floats, tracker: Tracker) -> None:
         elif tracks[t].score >= PROOFS and dx * dx + dy * dy < (tracks[t].radius + MARGIN) ** 2:
             return
     if free >= 0:
-        one, noise = tracks[free], UNSURE * UNSURE + tracker.noise[at.a] ** 2
+        track, noise = tracks[free], UNSURE * UNSURE + tracker.noise[at.a] ** 2
         x, y, radius, spread, doubt = fit_disc(points, cluster.x, cluster.y, RADIUS, SPREAD * SPREAD, noise)
-        one.x, one.y, one.vx, one.vy, one.radius, one.spread = x, y, 0.0, 0.0, radius, spread
-        one.begin_x, one.begin_y = x, y
-        one.place, one.both, one.speed, one.lost = doubt, 0.0, PACE * PACE, 0.0
-        one.score, one.cluster, one.used = 0, -1, True
+        track.x, track.y, track.vx, track.vy, track.radius, track.spread = x, y, 0.0, 0.0, radius, spread
+        track.begin_x, track.begin_y = x, y
+        track.place, track.both, track.speed, track.lost = doubt, 0.0, PACE * PACE, 0.0
+        track.score, track.cluster, track.used = 0, -1, True

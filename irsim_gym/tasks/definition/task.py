@@ -224,10 +224,10 @@ def _layers(scenario: Scenario, task: str | Path | Mapping[str, object] | None) 
 def _own(scenario: Scenario, *keys: str) -> list[Layer]:
     """Return options of a scenario's own section that also apply to other tasks unless they set them."""
     # The limit belongs to the level and the prediction to the robot, what is observed and paid to the task.
-    own = {key: value for key, value in scenario.task.items() if key in keys}
-    if not own:
+    section = {key: value for key, value in scenario.task.items() if key in keys}
+    if not section:
         return []
-    return [Layer(_title(scenario), own, _task_line(scenario), ("task",), _task_remark(scenario))]
+    return [Layer(_title(scenario), section, _task_line(scenario), ("task",), _task_remark(scenario))]
 
 
 def _task_line(scenario: Scenario) -> Callable[[Place], int]:

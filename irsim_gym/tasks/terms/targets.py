@@ -21,6 +21,11 @@ def without_contacts(scenario: Scenario) -> str | None:
     return None if scenario.world.collision_mode == "contact" else NO_CONTACTS
 
 
+def pushable(scenario: Scenario) -> list[int]:
+    """Return the bodies that can be pushed and do not drive."""
+    return [b for b, body in enumerate(scenario.bodies) if body.coasts and not body.unobstructed]
+
+
 @runtime_checkable
 class FitsScenario(Protocol):
     """A kind of a task that needs something of the scenario."""
@@ -64,8 +69,7 @@ class OfBodies:
     def chosen(self, scenario: Scenario) -> list[int]:
         """Return the bodies that it is about."""
         names, bodies, is_any = set(self.bodies), scenario.bodies, self.area is not None or not self.needs_target
-        pushed = [b for b, body in enumerate(bodies) if body.coasts and not body.unobstructed]
-        aimed = [b for b in pushed if is_any or has_goal(scenario, b)]
+        aimed = [b for b in pushable(scenario) if is_any or has_goal(scenario, b)]
         return [b for b in aimed if not names or names & {bodies[b].name, bodies[b].group_name}]
 
     def misfit(self, scenario: Scenario) -> str | None:

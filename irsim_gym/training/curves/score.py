@@ -17,7 +17,7 @@ from irsim_gym.evaluation.protocol.progress_bars import progress_bar
 from irsim_gym.evaluation.protocol.protocol import evaluate
 from irsim_gym.evaluation.protocol.tables import plain, write_csv, write_json
 from irsim_gym.evaluation.protocol.teams import evaluate_team, top_speed
-from irsim_gym.evaluation.saved_policies.checkpoint_files import RunProgress, list_checkpoints, load_progress
+from irsim_gym.evaluation.saved_policies.checkpoint_files import list_checkpoints, load_progress
 from irsim_gym.evaluation.saved_policies.policies import load_policy
 from irsim_gym.scenario.text.messages import with_parameters
 from irsim_gym.tasks import Episodes
@@ -70,7 +70,8 @@ def score_run(
             for path in bar.track(waiting, description="scoring checkpoints"):
                 policy, figures = load_policy(path / "policy.zip"), partial(_figures, team=settings.is_team)
                 scores = {name: figures(policy, episodes, levels, optima) for name, episodes, optima in places}
-                point = _point(load_progress(path), combined(scores))
+                progress = load_progress(path)
+                point = {**{name: getattr(progress, name) for name in PROGRESS}, **combined(scores)}
                 points[int(point["steps"])] = point
                 _write(run, _sorted(points))
     curve = _sorted(points)
@@ -139,10 +140,6 @@ def scenario_point(point: Point, name: str) -> Point:
 
 def _sorted(points: dict[int, Point]) -> list[Point]:
     return [points[steps] for steps in sorted(points)]
-
-
-def _point(progress: RunProgress, figures: Point) -> Point:
-    return {**{name: getattr(progress, name) for name in PROGRESS}, **figures}
 
 
 def _figures(policy: Policy, episodes: Episodes, levels: int, optima: Optima, *, team: bool) -> Point:

@@ -24,6 +24,7 @@ from irsim_gym.evaluation.saved_policies.checkpoint_files import POLICY, list_ch
 from irsim_gym.evaluation.saved_policies.policies import SavedPolicy, load_policy, policy_file
 from irsim_gym.evaluation.saved_policies.run_folder import CONFIG_KIND
 from irsim_gym.evaluation.saved_policies.shelf import SUFFIX, ShelfPolicy, policy_arrays
+from irsim_gym.evaluation.saved_policies.snapshot import Snapshot
 from irsim_gym.tasks import Episodes
 from irsim_gym.tasks.terms.term import Needs, needs_of
 from irsim_gym.training.export.exported_network import ExportedNetwork, export_network
@@ -67,8 +68,9 @@ def export(
     network = export_network(loaded.model, loaded.normalization)
     parts = [part for file in results for part in read_results(file, source)]
     settings, training = _training(source, parts)
-    scenario = _scenario(source, settings)
-    complete = _own_settings(source, settings)
+    run = run_of(policy_file(source))
+    scenario = _scenario(settings, run.snapshot() or settings.snapshot())
+    complete = run.own_settings() if run.exists() else settings  # with the run's own copy of its scenario
     episodes = complete.request().episodes(1)
     network.form["perception"] = complete.perception().to_plain()
     driver = ShelfPolicy(network.form, network.arrays)
@@ -140,7 +142,7 @@ def _training(source: Path, parts: Sequence[SeedResults]) -> tuple[Settings, car
     if record is None:
         raise IrsimGymError(
             f"the settings and the cost of the training of {source} are not known: name the run's folder, or give "
-            "--results with a file of agents/summarize.py"
+            "--results with a file of agents/studies/summarize.py"
         )
     settings = Settings.from_plain(record["settings"])
     seeds = next((part.seeds for part in parts if part.seeds), (settings.seed,))
@@ -151,7 +153,7 @@ def _training(source: Path, parts: Sequence[SeedResults]) -> tuple[Settings, car
         seeds=seeds,
         machine=record["machine"],
         mixture=tuple(
-            cards.CardPart(name=_file_name(item.scenario), parameters=plain(dict(item.parameters)), share=item.share)
+            cards.CardPart(name=Path(item.scenario).name, parameters=plain(dict(item.parameters)), share=item.share)
             for item in settings.mixture
         ),
         **{name: record[name] for name in ("steps", "training_seconds", "cpu_seconds")},
@@ -178,26 +180,15 @@ def _run_record(source: Path) -> dict[str, Any] | None:
         return {"settings": config["settings"], "machine": config["machine"], **cost}
 
 
-def _own_settings(source: Path, settings: Settings) -> Settings:
-    """Return the settings with the run's own copy of its scenario, if there is one."""
-    run = run_of(policy_file(source))
-    return run.own_settings() if run.exists() else settings
-
-
-def _scenario(source: Path, settings: Settings) -> cards.CardScenario:
-    snapshot = run_of(policy_file(source)).snapshot() or settings.snapshot()
+def _scenario(settings: Settings, snapshot: Snapshot) -> cards.CardScenario:
+    """Return what a card says of the scenario: of files the name alone, not the folders of a machine."""
     return cards.CardScenario(
-        name=_file_name(settings.scenario),
+        name=Path(settings.scenario).name,
         parameters=plain(dict(settings.parameters)),
-        task=None if settings.task is None else _file_name(settings.task),
+        task=None if settings.task is None else Path(settings.task).name,
         team=settings.hyperparameters.team,
         sha256=snapshot.digest,
     )
-
-
-def _file_name(named: str) -> str:
-    """Return a name unchanged, and of a path the file's name: cards do not reveal the folders of a machine."""
-    return Path(named).name
 
 
 def _terms(episodes: Episodes) -> tuple[cards.CardTerm, ...]:
@@ -235,7 +226,7 @@ def _evaluated(settings: Settings, place: Settings, driver: ShelfPolicy, levels:
 
 def _evaluate(settings: Settings, place: Settings, driver: ShelfPolicy, levels: int) -> cards.CardResult:
     """Evaluate the exported policy on ``test`` levels of one scenario, whose copy ``place`` names."""
-    request, name = place.request(), _file_name(settings.scenario)
+    request, name = place.request(), Path(settings.scenario).name
     evaluation = evaluate_policies(request, {name: driver}, levels=levels, references=False)
     figures: Any = evaluation.summaries[0]
     success = figures.success if isinstance(figures, Summary) else figures.cooperative_success

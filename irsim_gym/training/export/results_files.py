@@ -32,8 +32,8 @@ def read_results(file: Path, policy: Path) -> list[SeedResults]:
     """Return the results of a policy from a file, an entry for each set of levels.
 
     Args:
-        file: ``summary.json`` of ``irsim-gym evaluate``, or a file of ``agents/summarize.py`` or
-            ``agents/summarize_teams.py``.
+        file: ``summary.json`` of ``irsim-gym evaluate``, or a file of ``agents/studies/summarize.py`` or
+            ``agents/studies/summarize_teams.py``.
         policy: Folder of the run, or file of the policy. Its row has the name of the folder or file, or the end of that
             name: ``seed_1`` for ``cluttered_room_seed_1.zip``.
 

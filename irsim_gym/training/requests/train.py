@@ -12,7 +12,7 @@ from stable_baselines3.common.callbacks import BaseCallback
 from irsim_gym.base.errors import IrsimGymError
 from irsim_gym.evaluation.protocol.tables import PLAIN, remove_leftovers, write_bytes, write_csv
 from irsim_gym.evaluation.requests.inputs import check_folder
-from irsim_gym.evaluation.requests.interruption import StopRequest, stopped_at_end, stopped_early
+from irsim_gym.evaluation.requests.interruption import StopRequest, TrainingInterruptedError
 from irsim_gym.evaluation.saved_policies import checkpoint_files as stored
 from irsim_gym.evaluation.saved_policies.snapshot import Snapshot, differences, listed
 from irsim_gym.sb3 import LogCallback, MirrorCallback
@@ -78,15 +78,12 @@ def train(
         try:
             _learn(run, used, model, progress, screen, on_checkpoint)
         finally:
-            _write_log(run, progress)
-            _close(model)
+            rows = ({name: row.get(name, "") for name in LOG_COLUMNS} for row in progress.history)
+            write_csv(run.folder / "training.csv", LOG_COLUMNS, rows)
+            env = model.get_env()
+            if env is not None:
+                env.close()
         return run
-
-
-def _close(model: BaseAlgorithm) -> None:
-    env = model.get_env()
-    if env is not None:
-        env.close()
 
 
 def _begin(run: Run, settings: Settings, now: Snapshot, *, resumed: bool) -> None:
@@ -174,7 +171,8 @@ def _learn(
             watch.update_progress()
         except StopLearningError:
             if stop.signal is not None:
-                raise stopped_early(progress.steps, stop.signal) from None
+                message = f"stopped after {progress.steps:,} steps; nothing is lost"
+                raise TrainingInterruptedError(message, stop.signal) from None
         except (ValueError, RuntimeError):
             models.check_finite(run, settings, model)
             raise
@@ -188,9 +186,5 @@ def _learn(
         files.export_policy(run.policy, model)
         (last / stored.REPLAY_BUFFER).unlink(missing_ok=True)
     if stop.signal is not None:
-        raise stopped_at_end(progress.steps, stop.signal)
-
-
-def _write_log(run: Run, progress: stored.RunProgress) -> None:
-    rows = ({name: row.get(name, "") for name in LOG_COLUMNS} for row in progress.history)
-    write_csv(run.folder / "training.csv", LOG_COLUMNS, rows)
+        message = f"stopped after all {progress.steps:,} steps; the run is finished"
+        raise TrainingInterruptedError(message, stop.signal)

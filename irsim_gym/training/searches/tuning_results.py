@@ -45,7 +45,7 @@ def _rank(group: Sequence[Any]) -> tuple[bool, float]:
 
 
 def _scores(trials: Sequence[Any]) -> list[float]:
-    return [one.user_attrs["success"] for one in trials if not math.isnan(one.user_attrs["success"])]
+    return [trial.user_attrs["success"] for trial in trials if not math.isnan(trial.user_attrs["success"])]
 
 
 def best_of(trials: Sequence[Any]) -> Any:

@@ -269,8 +269,8 @@ def _policy(value: object, algorithm: Algorithm, place: Place, report: Report) -
         if key.endswith("_class"):
             report.add(where, declared.NOT_IN_FILES)
         elif names and key not in names:
-            known = ", ".join(sorted(names)[:MAX_NAMES])
-            report.add(where, f"unknown argument of the policy{suggestion(key, names) or f'; known: {known}'}")
+            examples = ", ".join(sorted(names)[:MAX_NAMES])
+            report.add(where, f"unknown argument of the policy{suggestion(key, names) or f'; known: {examples}'}")
         elif key == "net_arch":
             _check_layers(entry, where, report)
         elif key == "activation_fn":

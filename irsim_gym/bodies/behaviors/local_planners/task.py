@@ -185,9 +185,9 @@ def add_movers(state: State, w: int, b: int, n_hits: int, tables: LocalTables) -
 def is_on_mover(x: float, y: float, tracks: Records) -> bool:
     """Return whether a point of the world [m] belongs to what scans have shown to move."""
     for t in range(tracks.shape[0]):
-        one = tracks[t]
-        dx, dy, far = one.x - x, one.y - y, one.radius + BLUR
-        if is_mover(one) and dx * dx + dy * dy < far * far:
+        track = tracks[t]
+        dx, dy, far = track.x - x, track.y - y, track.radius + BLUR
+        if is_mover(track) and dx * dx + dy * dy < far * far:
             return True
     return False
 

@@ -185,11 +185,11 @@ def lay_tracks(b: int, tracks: Records, crowd: Crowd) -> None:
     # At infinity it does not find itself.
     crowd.body[0], crowd.x[0], count = b, np.inf, 1
     for t in range(tracks.shape[0]):
-        one = tracks[t]
-        if is_mover(one):
+        track = tracks[t]
+        if is_mover(track):
             move = crowd.moves[count]
-            crowd.body[count], crowd.x[count], crowd.y[count] = -1, one.x, one.y
-            move.vx, move.vy, move.radius = one.vx, one.vy, one.radius
+            crowd.body[count], crowd.x[count], crowd.y[count] = -1, track.x, track.y
+            move.vx, move.vy, move.radius = track.vx, track.vy, track.radius
             count += 1
     crowd.starts[0], crowd.starts[1] = 0, count
 

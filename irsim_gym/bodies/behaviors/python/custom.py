@@ -69,14 +69,14 @@ class PythonGroupBehavior(RenewsGoals):
     def decide(group: Group, model: Model, state: State, shard: Shard) -> None:
         """Call the function for the commands of all members, world by world."""
         for w in shard.worlds:
-            is_here = model.present[w, group.members]
-            members = [ego_view(group, model, state, int(w), int(b)) for b in group.members[is_here]]
+            is_present = model.present[w, group.members]
+            members = [ego_view(group, model, state, int(w), int(b)) for b in group.members[is_present]]
             # Group behaviours have no option `target_roles`: they see every role.
             seen = others(group, model, state, int(w), group.members, -1)
             with noting(group.kind, f"the group of '{name_of(group, int(group.members[0]))}'", state, int(w)):
                 answers = group.kind.function(members, seen, **group.kind.own_options(group.options[0]))
                 commands = _one_each(group, members, answers)
-                for ego, answer, decides in zip(members, commands, group.arrays["decides"][is_here], strict=True):
+                for ego, answer, decides in zip(members, commands, group.arrays["decides"][is_present], strict=True):
                     if decides:
                         state.command[w, ego.id] = 0.0
                         write_command(group, model, ego.id, answer, state.command[w, ego.id])
@@ -175,6 +175,6 @@ def _one_each(group: Group, members: Sequence[EgoView], answers: Any) -> Sequenc
     """Return the answers of a group behaviour if there is one for each member."""
     count = len(answers) if isinstance(answers, Sequence | np.ndarray) else -1
     if count != len(members):
-        found = "no list" if count < 0 else f"{count} commands"
-        raise BehaviorError(f"{group.kind.called} must return {len(members)} commands, one per member, got {found}")
+        said = "no list" if count < 0 else f"{count} commands"
+        raise BehaviorError(f"{group.kind.called} must return {len(members)} commands, one per member, got {said}")
     return list(answers)

@@ -230,10 +230,10 @@ def add_tracks(tracks: Records, x: float, y: float, sight: float, rounds: Record
     """Write what scans show to move, nearer than ``sight`` [m], to ``rounds``; return the number of discs."""
     n_rounds = 0
     for t in range(tracks.shape[0]):
-        one = tracks[t]
-        dx, dy = one.x - x, one.y - y
-        if is_mover(one) and dx * dx + dy * dy < sight * sight:
-            write_disc(rounds[n_rounds], one.x, one.y, one.vx, one.vy, one.radius + MARGIN)
+        track = tracks[t]
+        dx, dy = track.x - x, track.y - y
+        if is_mover(track) and dx * dx + dy * dy < sight * sight:
+            write_disc(rounds[n_rounds], track.x, track.y, track.vx, track.vy, track.radius + MARGIN)
             n_rounds += 1
     return n_rounds
 

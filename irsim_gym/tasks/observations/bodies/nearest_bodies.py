@@ -75,6 +75,25 @@ class ObservesNearest(EncodesDepths):
         """Return the columns; what is positive to the left changes its sign."""
         return signed(1.0, -1.0, 1.0, 1.0, -1.0, times=self.count)
 
+    def nearest_graph(self, far: float, model: Model, body: int, robot: RobotValues) -> Value:
+        """Return the columns of a body that sees so far [m] as a graph; others are the discs of ``robot.bodies``."""
+        rows = robot.others(self.count)
+        dx, dy, radius = (rows.part(k) for k in (0, 1, 4))
+        away = (dx * dx + dy * dy).op("Sqrt")
+        gaps = away - radius
+        order = (gaps < far).where(gaps, np.inf).first(self.count)
+        rows, away, gap = (values.at(order) for values in (robot.turned_rows(rows), away, gaps))
+        is_there = gap < far
+        scale = gap.op("Sign") / away  # from inside, the nearest point lies behind
+        ways = (is_there & (away > 0.0)).spread(2).where(rows.columns(0, 2, 2) * scale.spread(2), 0.0)
+        depth = is_there.where(gap - extent_graph(model, body, ways.part(0), ways.part(1)), far).between(0.0, far)
+        n_axes = 2 if model.drive[body] in (OMNI_WORLD, OMNI_BODY, OMNI_ANGULAR) else 1
+        velocity = robot.velocity.columns(0, n_axes).times(np.eye(n_axes, 2)).spread(1)
+        motion = is_there.spread(2).where((rows.columns(2, 4, 2) - velocity) / self.speed, 0.0)
+        ways, motion = (values.between(-1.0, 1.0).cast(np.float32) for values in (ways, motion))
+        numbers = [ways, self.coded_graph(far, depth.cast(np.float32)).spread(2), motion]
+        return robot.graph.join(numbers, axis=2).op("Flatten")
+
 
 @kind
 class NearestBodies(ObservesNearest):
@@ -96,23 +115,7 @@ class NearestBodies(ObservesNearest):
 
     def graph(self, term: Term, model: Model, agent: int, robot: RobotValues) -> Value:
         """Return the columns as a graph, see ``HasGraph``; the bodies are discs."""
-        far, body = term.arrays.sight, term.agents[agent]
-        rows = robot.others(self.count)
-        dx, dy, radius = (rows.part(k) for k in (0, 1, 4))
-        away = (dx * dx + dy * dy).op("Sqrt")
-        gaps = away - radius
-        order = (gaps < far).where(gaps, np.inf).first(self.count)
-        rows, away, gap = (values.at(order) for values in (robot.turned_rows(rows), away, gaps))
-        is_there = gap < far
-        scale = gap.op("Sign") / away  # from inside, the nearest point lies behind
-        ways = (is_there & (away > 0.0)).spread(2).where(rows.columns(0, 2, 2) * scale.spread(2), 0.0)
-        depth = is_there.where(gap - extent_graph(model, body, ways.part(0), ways.part(1)), far).between(0.0, far)
-        n_axes = 2 if model.drive[body] in (OMNI_WORLD, OMNI_BODY, OMNI_ANGULAR) else 1
-        velocity = robot.velocity.columns(0, n_axes).times(np.eye(n_axes, 2)).spread(1)
-        motion = is_there.spread(2).where((rows.columns(2, 4, 2) - velocity) / self.speed, 0.0)
-        ways, motion = (values.between(-1.0, 1.0).cast(np.float32) for values in (ways, motion))
-        numbers = [ways, self.coded_graph(far, depth.cast(np.float32)).spread(2), motion]
-        return robot.graph.join(numbers, axis=2).op("Flatten")
+        return self.nearest_graph(term.arrays.sight, model, term.agents[agent], robot)
 
     @staticmethod
     def write(term: Term, model: Model, state: State, episode: EpisodeState, shard: Shard) -> None:

@@ -84,6 +84,22 @@ class ObservesTimes:
         """Return the directions from right to left."""
         return directions_exchanged(self.directions, self.speeds)
 
+    def times_graph(self, table: Velocities, agent: int, robot: RobotValues) -> Value:
+        """Return the columns of an agent as a graph; others are the discs of ``robot.bodies``."""
+        rows = robot.turned_rows(robot.others(1))
+        x, y, radius = rows.part(0), rows.part(1), rows.part(4)
+        square, reach = x * x + y * y, radius + table.radius[agent]
+        nearer = (reach * reach - square).cast(np.float32).least(0.0)
+        if self.range is not None:
+            nearer = (square.op("Sqrt") - radius > self.range).where(nearer * np.nan, nearer)
+        x, y, vx, vy = (rows.cast(np.float32).part(k).spread(2) for k in range(4))
+        ux, uy, nearer = vx - table.ahead[agent], vy - table.aside[agent], nearer.spread(2)
+        # Rounded where the kernel's fused operations are: close passes amplify the last bit.
+        leaving, speeds = _fused(x, ux, y * uy), _fused(ux, ux, uy * uy)
+        root = _fused(leaving, leaving, speeds * nearer)
+        times = ((leaving < 0.0) & (root >= 0.0)).where(nearer / (leaving - root.most(0.0).op("Sqrt")), self.horizon)
+        return 1.0 - times.smallest(1).least(self.horizon) / self.horizon
+
 
 @kind
 class TimeToCollision(ObservesTimes):
@@ -104,20 +120,7 @@ class TimeToCollision(ObservesTimes):
 
     def graph(self, term: Term, model: Model, agent: int, robot: RobotValues) -> Value:
         """Return the columns as a graph, see ``HasGraph``; the bodies are discs."""
-        table: Velocities = term.arrays
-        rows = robot.turned_rows(robot.others(1))
-        x, y, radius = rows.part(0), rows.part(1), rows.part(4)
-        square, reach = x * x + y * y, radius + table.radius[agent]
-        nearer = (reach * reach - square).cast(np.float32).least(0.0)
-        if self.range is not None:
-            nearer = (square.op("Sqrt") - radius > self.range).where(nearer * np.nan, nearer)
-        x, y, vx, vy = (rows.cast(np.float32).part(k).spread(2) for k in range(4))
-        ux, uy, nearer = vx - table.ahead[agent], vy - table.aside[agent], nearer.spread(2)
-        # Rounded where the kernel's fused operations are: close passes amplify the last bit.
-        leaving, speeds = _fused(x, ux, y * uy), _fused(ux, ux, uy * uy)
-        root = _fused(leaving, leaving, speeds * nearer)
-        times = ((leaving < 0.0) & (root >= 0.0)).where(nearer / (leaving - root.most(0.0).op("Sqrt")), self.horizon)
-        return 1.0 - times.smallest(1).least(self.horizon) / self.horizon
+        return self.times_graph(term.arrays, agent, robot)
 
     @staticmethod
     def write(term: Term, model: Model, state: State, episode: EpisodeState, shard: Shard) -> None:

@@ -7,6 +7,7 @@ import numpy as np
 from irsim_gym.base.arraytypes import Bytes, Cells, Floats, Ints
 from irsim_gym.rendering.raster.areas import add_disc
 from irsim_gym.rendering.raster.sheets import paint
+from irsim_gym.scenario.specs.spec import Scenario
 from irsim_gym.simulator.world.names import ROBOT, Model, Shard, State, Struct, kernel, kind, option, row_of
 from irsim_gym.tasks.observations.images.painting import (
     Canvas,
@@ -23,6 +24,7 @@ from irsim_gym.tasks.observations.images.painting import (
 )
 from irsim_gym.tasks.observations.images.scan_painting import ScanBeams, beams_of, paint_scan
 from irsim_gym.tasks.terms import Bound, Columns, EpisodeState, Needs, Simulation, Term
+from irsim_gym.tasks.terms.targets import pushable, without_contacts
 
 LEAST_GOAL = 1.5
 """Minimum radius of the goal's disc [pixel]."""
@@ -30,9 +32,10 @@ LEAST_GOAL = 1.5
 
 @dataclass
 class Tools(Struct):
-    """Memory for painting an occupancy image, and the scans if it shows them."""
+    """Memory for painting an occupancy image, the scans if it shows them, and the channel of each body."""
 
     paints: Paints
+    channel: Ints
     beams: ScanBeams | None
 
 
@@ -42,13 +45,15 @@ class OccupancyImage(SquareImage):
 
     It is uint8 ``(pixels, pixels, n_channels)``. The first channel shows occupied space, or, with ``from_scan``, the
     lidar's latest scan: 0 free, 255 hit, 127 not seen. ``robot_channel`` adds a channel for other robots,
-    ``goal_channel`` one with a disc at the goal, or at the border if the goal is farther away.
+    ``movable_channel`` one for obstacles that can be pushed, and ``goal_channel`` one with a disc at the goal, or at
+    the border if the goal is farther away.
     """
 
     bodies: bool = option(True, meaning="Show other bodies.")
     map: bool = option(True, meaning="Show the occupied cells of an obstacle map.")
     edge: bool = option(True, meaning="Space outside the world counts as occupied.")
     robot_channel: bool = option(False, meaning="Show other robots in a separate channel instead of the first.")
+    movable_channel: bool = option(False, meaning="Show obstacles that can be pushed in a channel of their own.")
     from_scan: bool = option(False, meaning="Show the latest scan of the range sensor instead of the actual obstacles.")
     without_sensor: str | tuple[str, ...] = option("", meaning="With from_scan, as without_sensor of scan.")
 
@@ -56,17 +61,24 @@ class OccupancyImage(SquareImage):
     def needs(self) -> Needs:
         """What a robot must have: scans if it shows them, else the true state of all bodies."""
         kinds: Needs = ("scan", "odometry") if self.from_scan else ("odometry", "bodies")
-        return (*kinds, "bodies") if self.from_scan and self.robot_channel else kinds
+        return (*kinds, "bodies") if self.from_scan and (self.robot_channel or self.movable_channel) else kinds
 
     @property
     def image_shape(self) -> tuple[int, int, int]:
         """Height and width [pixels] and number of channels."""
-        return self.pixels, self.pixels, 1 + self.robot_channel + self.goal_channel
+        return self.pixels, self.pixels, 1 + self.robot_channel + self.movable_channel + self.goal_channel
+
+    def misfit(self, scenario: Scenario) -> str | None:
+        """Return what the scenario lacks, as text."""
+        return without_contacts(scenario) if self.movable_channel else None
 
     def arrays(self, simulation: Simulation, agents: Ints) -> Tools:
-        """Return the memory for painting, and the scans if it shows them."""
+        """Return the memory for painting, the scans if it shows them, and the channel of each body."""
         paints = Paints.of(simulation, self.pixels, self.pixels, [[0.0, 1.0], [255.0, 1.0]])
-        return Tools(paints, beams_of(simulation, agents, "occupancy_image") if self.from_scan else None)
+        channel = np.where(simulation.model.role == ROBOT, int(self.robot_channel), 0)
+        if self.movable_channel:
+            channel[pushable(simulation.scenario)] = 1 + self.robot_channel
+        return Tools(paints, channel, beams_of(simulation, agents, "occupancy_image") if self.from_scan else None)
 
     def columns(self, term: Term, model: Model, agent: int) -> list[Columns]:
         """Return the meaning of the channels."""
@@ -74,6 +86,8 @@ class OccupancyImage(SquareImage):
         channels = [Columns("obstacles around the robot", seen)]
         if self.robot_channel:
             channels.append(Columns("other robots", "255 where one is"))
+        if self.movable_channel:
+            channels.append(Columns("obstacles that can be pushed", "255 where one is"))
         if self.goal_channel:
             channels.append(Columns("the next goal", "255 where it is, at the border where it is farther away"))
         return channels
@@ -87,43 +101,43 @@ class OccupancyImage(SquareImage):
             paint_scan(worlds, slot, bound, tools.beams, paints, state, image)
         else:
             cells = model.cells if options.map else None
-            paint_occupied(worlds, slot, bound, paints, model, cells, state, image)
-        if options.robot_channel:
-            paint_robots(worlds, slot, bound, paints, model, state, image)
+            paint_occupied(worlds, slot, bound, tools, model, cells, state, image)
+        for channel in range(1, 1 + options.robot_channel + options.movable_channel):
+            paint_apart(worlds, slot, bound, tools, channel, model, state, image)
         if options.goal_channel:
             paint_goal(worlds, slot, bound, paints, model, state, image)
 
 
 @kernel
 def paint_occupied(
-    worlds: Ints, slot: int, term: Bound, paints: Paints, model: Model, cells: Cells, state: State, image: Bytes
+    worlds: Ints, slot: int, term: Bound, tools: Tools, model: Model, cells: Cells, state: State, image: Bytes
 ) -> None:
     """Clear the images, and paint occupied space into their first channel.
 
-    Reads: term (agents, options), paints (box, colours, sheets), model (bounds, disc_count, disc_start, present, reach,
-        role, segment_count, segment_start, solid, unobstructed), state (discs, pose, segments).
-    Writes: paints (sheets), image.
+    Reads: term (agents, options), tools (channel, paints), model (bounds, disc_count, disc_start, present, reach,
+        segment_count, segment_start, solid, unobstructed), state (discs, pose, segments).
+    Writes: tools (paints), image.
 
     Args:
         worlds: The worlds to treat.
         slot: Slot of the calling thread.
         term: An ``OccupancyImage``.
-        paints: The colours free and occupied, in this order.
+        tools: The colours free and occupied, in this order, and the channel of each body.
         model: Constants of the simulation.
         cells: The map, or None.
         state: Its present state.
         image: Output, ``(n_worlds, n_agents, pixels, pixels, n_channels)``.
     """
-    options, box, sheet = term.options[0], paints.box, paints.sheets[slot]
+    options, channel, paints = term.options[0], tools.channel, tools.paints
+    box, sheet = paints.box, paints.sheets[slot]
     for w in worlds:
         for a in range(term.agents.shape[0]):
             picture, body = image[w, a], term.agents[a]
             clear(picture, 0)
             canvas = Canvas(sheet, box, view_of(term, state.pose[w, body]))
             if options.bodies != 0:
-                for b in range(model.role.shape[0]):
-                    is_robot = options.robot_channel != 0 and model.role[b] == ROBOT
-                    if model.present[w, b] and not (b == body or model.unobstructed[b] or is_robot):
+                for b in range(channel.shape[0]):
+                    if model.present[w, b] and channel[b] == 0 and b != body and not model.unobstructed[b]:
                         add_body(canvas, model, state, w, b)
             if options.edge != 0:
                 add_outside(canvas, model.bounds)
@@ -142,25 +156,25 @@ def view_of(term: Bound, pose: Floats) -> View:
 
 
 @kernel
-def paint_robots(
-    worlds: Ints, slot: int, term: Bound, paints: Paints, model: Model, state: State, image: Bytes
+def paint_apart(
+    worlds: Ints, slot: int, term: Bound, tools: Tools, channel: int, model: Model, state: State, image: Bytes
 ) -> None:
-    """Paint other robots into the second channel; see ``paint_occupied``.
+    """Paint the bodies of another channel than the first into it; see ``paint_occupied``.
 
-    Reads: term (agents, options), paints (box, colours, sheets), model (disc_count, disc_start, present, reach, role,
+    Reads: term (agents, options), tools (channel, paints), model (disc_count, disc_start, present, reach,
         segment_count, segment_start, solid, unobstructed), state (discs, pose, segments).
-    Writes: paints (sheets).
+    Writes: tools (paints).
     """
+    paints = tools.paints
     box, sheet = paints.box, paints.sheets[slot]
     for w in worlds:
         for a in range(term.agents.shape[0]):
             picture, body = image[w, a], term.agents[a]
             canvas = Canvas(sheet, box, view_of(term, state.pose[w, body]))
-            for b in range(model.role.shape[0]):
-                is_shown = b != body and model.role[b] == ROBOT and not model.unobstructed[b]
-                if is_shown and model.present[w, b]:
+            for b in range(tools.channel.shape[0]):
+                if tools.channel[b] == channel and b != body and model.present[w, b] and not model.unobstructed[b]:
                     add_body(canvas, model, state, w, b)
-            paint(picture[:, :, 1:2], sheet, box, paints.colours[1], False)
+            paint(picture[:, :, channel : channel + 1], sheet, box, paints.colours[1], False)
 
 
 @kernel

@@ -12,6 +12,7 @@ from irsim_gym.tasks.observations.bodies.time_to_collision import MovingPoint, O
 from irsim_gym.tasks.observations.scan.ranges import WITHOUT_SENSOR
 from irsim_gym.tasks.observations.tracks import learner_tracks
 from irsim_gym.tasks.terms import Bound, EpisodeState, Model, Shard, Simulation, State, Struct, Term, kernel, kind
+from irsim_gym.tasks.terms.graph import RobotValues, Value
 from irsim_gym.tasks.terms.term import Needs
 
 
@@ -42,6 +43,10 @@ class TimeToTracks(ObservesTimes):
         tracker = learner_tracks.new_tracker(self, simulation, agents, "time_to_tracks")
         return TrackedTimes(tracker, self.velocities(simulation.model, agents))
 
+    def graph(self, term: Term, model: Model, agent: int, robot: RobotValues) -> Value:
+        """Return the columns as a graph, see ``HasGraph``; the robot's own tracker gives the bodies."""
+        return self.times_graph(term.arrays.table, agent, robot)
+
     @staticmethod
     def write(term: Term, model: Model, state: State, episode: EpisodeState, shard: Shard) -> None:
         """Follow the tracks, and write the nearness of the first collision for each velocity."""
@@ -65,13 +70,13 @@ def write_track_times(worlds: Ints, term: Bound, timed: TrackedTimes, state: Sta
             row[:] = horizon
             cosine, sine = np.cos(pose[2]), np.sin(pose[2])
             for t in range(tracks.shape[0]):
-                one = tracks[t]
-                dx, dy = one.x - pose[0], one.y - pose[1]
-                if is_mover(one) and np.sqrt(dx * dx + dy * dy) - one.radius <= far:
+                track = tracks[t]
+                dx, dy = track.x - pose[0], track.y - pose[1]
+                if is_mover(track) and np.sqrt(dx * dx + dy * dy) - track.radius <= far:
                     x, y = dx * cosine + dy * sine, dy * cosine - dx * sine
-                    vx, vy = one.vx * cosine + one.vy * sine, one.vy * cosine - one.vx * sine
+                    vx, vy = track.vx * cosine + track.vy * sine, track.vy * cosine - track.vx * sine
                     meet_disc(
-                        MovingPoint(x, y, vx, vy, table.radius[a] + one.radius), table.ahead[a], table.aside[a], row
+                        MovingPoint(x, y, vx, vy, table.radius[a] + track.radius), table.ahead[a], table.aside[a], row
                     )
             for j in range(row.shape[0]):
                 row[j] = np.float32(1.0) - row[j] / horizon

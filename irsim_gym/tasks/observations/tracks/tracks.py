@@ -22,6 +22,7 @@ from irsim_gym.tasks.observations.bodies.nearest_bodies import (
 from irsim_gym.tasks.observations.scan.ranges import WITHOUT_SENSOR
 from irsim_gym.tasks.observations.tracks import learner_tracks
 from irsim_gym.tasks.terms import Bound, EpisodeState, Model, Shard, Simulation, State, Struct, Term, kernel, kind
+from irsim_gym.tasks.terms.graph import RobotValues, Value
 from irsim_gym.tasks.terms.term import Needs
 
 
@@ -55,6 +56,10 @@ class Tracks(ObservesNearest):
     def arrays(self, simulation: Simulation, agents: Ints) -> Tracked:
         """Return the tracks and scratch memory."""
         return Tracked(learner_tracks.new_tracker(self, simulation, agents, "tracks"), nearest_memory(self, simulation))
+
+    def graph(self, term: Term, model: Model, agent: int, robot: RobotValues) -> Value:
+        """Return the columns as a graph, see ``HasGraph``; the robot's own tracker gives the bodies."""
+        return self.nearest_graph(term.arrays.nearest.sight, model, term.agents[agent], robot)
 
     @staticmethod
     def write(term: Term, model: Model, state: State, episode: EpisodeState, shard: Shard) -> None:

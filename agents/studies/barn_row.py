@@ -1,6 +1,6 @@
 """Play BARN-2D with ``dwa`` and write agents/results/barn_dwa.json.
 
-    python agents/barn_row.py COPY [ROW ...]
+    python agents/studies/barn_row.py COPY [ROW ...]
 
 COPY is a user's own copy of BARN's worlds, an ``.npz`` as ``barn_levels.py`` reads it, with
 ``path_length`` (300,) [m] beside the cylinders. The worlds are 0, 6, ..., 294. Nothing is random here, so each is
@@ -26,7 +26,7 @@ from barn_levels import barn_levels
 import irsim_gym
 from irsim_gym.evaluation import machine
 
-HERE = Path(__file__).parent
+HERE = Path(__file__).parents[1]
 RESULT = HERE / "results" / "barn_dwa.json"
 PUBLISHED = {"success": 0.88, "collision": 0.048, "timeout": 0.072, "time": 33.5, "score": 0.169}
 SPEED, LIMIT, JOBS = 0.5, 100.0, 2
@@ -117,7 +117,7 @@ def main(copy: Path, names: list[str]) -> None:
             print(row, {key: value for key, value in played[row].items() if key != "worlds"}, flush=True)
     record = {
         "benchmark": "BARN-2D: worlds 0, 6, ..., 294 of a user's copy of BARN (bf5a226), each once",
-        "command": f"python agents/barn_row.py {copy.name}",
+        "command": f"python agents/studies/barn_row.py {copy.name}",
         "machine": {**machine(), "processes": JOBS},
         "settings": {"robot": {"scenario": "barn", "speed": SPEED}, "published": GIVEN, "ours": OURS},
         "published": PUBLISHED,

@@ -1,6 +1,6 @@
 """Count levels that no robot could have won, however it drives, while the other bodies move as they did.
 
-    python agents/covered_goals.py drl_robot_navigation RUN...
+    python agents/studies/covered_goals.py drl_robot_navigation RUN...
 
 Drives the first ``test`` levels with each policy. In levels that none of them wins, it follows all places where a disc
 of the robot's size touches no other body, from step to step, at the robot's greatest speed in any direction. A level
@@ -45,7 +45,7 @@ def main(scenario: str, runs: Sequence[str], levels: int, split: str, out: Path 
         lost = lost[[not is_won for is_won in winnable(scenario, run, lost, split)]]
     record = {
         "what": "levels that no policy wins, and those of them that no robot could have won while bodies moved so",
-        "command": f"python agents/covered_goals.py {scenario} RUNS --levels {levels} --split {split}",
+        "command": f"python agents/studies/covered_goals.py {scenario} RUNS --levels {levels} --split {split}",
         "conditions": conditions(make_episodes(scenario), split, levels),
         "machine": machine(),
         "policies": len(runs),

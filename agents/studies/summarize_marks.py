@@ -2,8 +2,8 @@
 
     irsim-gym train narrow_door --task patient_navigation --seeds 5 --out runs/door
     irsim-gym evaluate narrow_door ppo=runs/door/seed_0,... --out runs/door/own
-    python agents/summarize.py narrow_door runs/door/seed_* --test runs/door/own --json-only
-    python agents/summarize_marks.py
+    python agents/studies/summarize.py narrow_door runs/door/seed_* --test runs/door/own --json-only
+    python agents/studies/summarize_marks.py
 
 A file of policies that are played where they were not trained is the `summary.json` of `irsim-gym evaluate`.
 """

@@ -1,6 +1,6 @@
 """Count why robots of `jaxnav_four` run out of time, on the first `dev` levels.
 
-python agents/shut_in.py POLICY [--task TASK] [--levels N]
+python agents/studies/shut_in.py POLICY [--task TASK] [--levels N]
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """What differs between crowd_nav and CrowdNav++ while an episode runs, each difference measured alone.
 
-    python agents/crowd_nav_differences.py      # takes its rows into results/crowd_benchmarks.json
-    python agents/crowd_nav_differences.py --only restart_sight restart_belief --scenario crowd_nav_code.yaml
+    python agents/studies/crowd_nav_differences.py      # takes its rows into results/crowd_benchmarks.json
+    python agents/studies/crowd_nav_differences.py --only restart_sight restart_belief --scenario crowd_nav_code.yaml
 
 crowd_nav_code.yaml is a copy of crowd_nav.yaml with levels of crowd_nav_levels.py.
 
@@ -28,7 +28,7 @@ from irsim_gym.tasks import Episodes
 
 Floats, Ints = NDArray[np.float64], NDArray[np.int64]
 
-RESULTS = Path(__file__).parent / "results" / "crowd_benchmarks.json"
+RESULTS = Path(__file__).parents[1] / "results" / "crowd_benchmarks.json"
 SIGHT = 5.0 + 0.3 + 0.3
 """Between centres [m]: a gap of 5 m, the radius of the robot and that of a person."""
 SOCIAL, RANGE, FASTEST = 2.0, 1.0, 1.0
@@ -144,7 +144,7 @@ def main() -> None:
         named = conditions(make_episodes(given.scenario), found.split, given.levels) | found.level_set.conditions()
         rows = json.loads(given.results.read_text(encoding="utf-8"))
         asked = f"--only {name} --levels {given.levels} --scenario {given.scenario}"
-        command = f"python agents/crowd_nav_differences.py {asked}"
+        command = f"python agents/studies/crowd_nav_differences.py {asked}"
         figures = {"command": command, "conditions": named, "machine": machine(), "policies": found.summaries}
         rows[f"{Path(given.scenario).stem}_{name}"] = plain(figures)
         given.results.write_text(json.dumps(rows, indent=1) + "\n", encoding="utf-8")

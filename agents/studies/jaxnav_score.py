@@ -1,6 +1,6 @@
 """Score a policy in JaxNav's levels as SFL does, and add the score to a file.
 
-    python agents/jaxnav_score.py LEVELS POLICY [--task TASK] [--windows N] [--levels N] [--mean] [--out FILE]
+    python agents/studies/jaxnav_score.py LEVELS POLICY [--task TASK] [--windows N] [--levels N] [--mean] [--out FILE]
 
 LEVELS is a user's own copy after ``jaxnav_pickle.py``, or the name of a benchmark; POLICY a run's folder,
 or with ``--mean``, which takes the mean actions, the name of a shipped policy. Without TASK, episodes end as the
@@ -39,7 +39,7 @@ from irsim_gym.tasks import Episodes, Outcome
 
 Floats, Ints = NDArray[np.float64], NDArray[np.int64]
 
-OUT = Path(__file__).parent / "results" / "jaxnav_score.json"
+OUT = Path(__file__).parents[1] / "results" / "jaxnav_score.json"
 PUBLISHED = {1: {"success": 0.980, "worst 5 %": 0.605}, 4: {"success": 0.922, "worst 5 %": 0.459}}
 """What SFL reaches, by the number of robots."""
 

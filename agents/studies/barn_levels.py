@@ -1,6 +1,6 @@
 """Convert the worlds of the BARN challenge (Perille et al. 2020), a user's own copy, into levels of ``barn``.
 
-    python agents/barn_levels.py BARN_dataset/world_files barn.npz
+    python agents/studies/barn_levels.py BARN_dataset/world_files barn.npz
 
 COPY is a folder of ``world_N.world`` files, or an ``.npz`` with ``cylinder_xy`` (n, 2) [m] and ``world_start``: world i
 has the rows from ``world_start[i]`` to ``world_start[i + 1]``. The cylinders stand in the middle of cells of 0.15 m, so

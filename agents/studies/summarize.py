@@ -1,6 +1,6 @@
 """Put the results of several training seeds into one JSON file, one picture and the table of README.md.
 
-    python agents/summarize.py cluttered_room runs/cluttered_room/seed_* --test runs/cluttered_room/test
+    python agents/studies/summarize.py cluttered_room runs/cluttered_room/seed_* --test runs/cluttered_room/test
 
 writes results/cluttered_room.json and .png beside this file, copies the policies to policies/, and prints the table.
 `irsim-gym train --seeds` writes the same in its folder. The runs may also have been evaluated as one method, in the
@@ -26,7 +26,7 @@ from irsim_gym.training import (
     write_seeds,
 )
 
-HERE = Path(__file__).parent
+HERE = Path(__file__).parents[1]
 
 
 def write(

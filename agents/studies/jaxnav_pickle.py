@@ -1,6 +1,6 @@
 """Convert levels of JaxNav (Rutherford et al. 2024), a pickle of states, into a file of levels.
 
-    python agents/jaxnav_pickle.py eval_single_agent_1000e.pkl jaxnav.npz
+    python agents/studies/jaxnav_pickle.py eval_single_agent_1000e.pkl jaxnav.npz
 
 Levels for one or four robots name the benchmark ``jaxnav_single`` or ``jaxnav_four``, so that they are played as they
 are. It is not loaded, as that can run code: its arrays are taken out of

@@ -1,6 +1,6 @@
 """Train variants of agents/plain_ppo.py with several seeds, score them on `dev` levels, and write what was found.
 
-    python agents/ppo_variants.py cluttered_room --steps 1000000 --seeds 5 --out variants.json
+    python agents/studies/ppo_variants.py cluttered_room --steps 1000000 --seeds 5 --out variants.json
 
 Variants, each a single change:
 
@@ -17,19 +17,23 @@ Variants, each a single change:
 
 import argparse
 import json
+import sys
 import time
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from statistics import median
 
 import numpy as np
-import plain_ppo
 import torch
 from torch import Tensor, nn
 
 import irsim_gym
 from irsim_gym.envs import Mirror
 from irsim_gym.evaluation import write_text
+
+sys.path.insert(0, str(Path(__file__).parents[1]))
+
+import plain_ppo
 
 MOST = 10.0
 """Largest logarithm of a ratio of densities."""

@@ -1,6 +1,6 @@
 """Count levels that are lost from the start: whatever the robot does first, it is hit.
 
-    python agents/lost_starts.py drl_robot_navigation
+    python agents/studies/lost_starts.py drl_robot_navigation
 
 In each ``test`` level, robots try sequences of commands, drawn at random, among them to stand still. Where none of them
 keeps the robot free of contact for the first eight steps, those that last longest are altered and tried again. A level
@@ -88,7 +88,7 @@ def main(scenario: str, levels: int, split: str, out: Path | None) -> None:
     lost = [level for level in range(levels) if not can_survive(episodes, level, split)]
     record = {
         "what": "levels in which no sequence of commands is found that keeps the robot free of contact",
-        "command": f"python agents/lost_starts.py {scenario} --levels {levels} --split {split}",
+        "command": f"python agents/studies/lost_starts.py {scenario} --levels {levels} --split {split}",
         "conditions": conditions(episodes, split, levels),
         "machine": machine(),
         "sequences": MANY,

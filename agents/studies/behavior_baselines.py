@@ -1,6 +1,6 @@
 """What robots achieve by the behaviours of the language alone, moving one after another as in IR-SIM.
 
-    python agents/behavior_baselines.py
+    python agents/studies/behavior_baselines.py
 
 writes results/behavior_baselines.json beside this file: the levels that policies are tested on, without any learner.
 `irsim-gym evaluate --team` shows the same behaviours in the place of learners, all deciding at the same moment.
@@ -14,7 +14,7 @@ import yaml
 
 import irsim_gym
 
-HERE = Path(__file__).parent
+HERE = Path(__file__).parents[1]
 CASES = (("circle_swap", 4), ("circle_swap", 8), ("random_swap", 8))
 BEHAVIORS = {
     "rvo": {"behavior": {"name": "rvo", "vxmax": 1, "vymax": 1}},

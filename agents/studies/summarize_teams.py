@@ -3,7 +3,7 @@
     cd runs/circle_swap
     for n in 4 8; do irsim-gym evaluate circle_swap seed_* --team --set n_robots=$n --out test_$n; done
     cd ../..
-    python agents/summarize_teams.py circle_swap runs/circle_swap/seed_* --test runs/circle_swap/test_[48]
+    python agents/studies/summarize_teams.py circle_swap runs/circle_swap/seed_* --test runs/circle_swap/test_[48]
 
 writes results/circle_swap.json and .png beside this file, copies the policies to policies/, and prints a table for each
 test. The tests may differ in the values of the scenario's parameters; each has to hold all the runs. With
@@ -28,7 +28,7 @@ def main() -> None:
     parser.add_argument("--test", required=True, nargs="+", type=Path, help="folders of `irsim-gym evaluate --team`")
     parser.add_argument("--name", help="of the files that are written (default: the scenario)")
     parser.add_argument("--json-only", action="store_true", help="draw no picture and copy no policies")
-    parser.add_argument("--out", type=Path, default=HERE, help="where results/ and policies/ are (default: here)")
+    parser.add_argument("--out", type=Path, default=HERE, help="where results/ and policies/ are (default: agents)")
     asked = parser.parse_args()
     summary = write(asked.scenario, asked.runs, asked.test, asked.name, asked.out, json_only=asked.json_only)
     for test in summary["conditions"]:

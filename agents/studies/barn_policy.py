@@ -1,6 +1,6 @@
 """Play BARN-2D with trained policies and write agents/results/barn_policy.json.
 
-    python agents/barn_policy.py COPY POLICY...
+    python agents/studies/barn_policy.py COPY POLICY...
 
 COPY is a user's own copy of BARN's worlds, as in ``barn_row.py``; a POLICY is a run's folder or a name on the shelf.
 The worlds are 0, 6, ..., 294. Nothing is random here, so each is driven once where the original drives it ten times.
@@ -21,7 +21,7 @@ from barn_row import PUBLISHED, score
 
 from irsim_gym.evaluation import EpisodeRow, Perceived, as_policy, conditions, machine, make_episodes, play_levels
 
-OUT = Path(__file__).parent / "results" / "barn_policy.json"
+OUT = Path(__file__).parents[1] / "results" / "barn_policy.json"
 WORLDS = range(0, 300, 6)
 CALLED = {"success": "arrival"}
 """What ``score`` calls an outcome."""
@@ -67,7 +67,7 @@ def main(copy: Path, policies: Sequence[str]) -> None:
         named = conditions(worlds.episodes, "test", len(WORLDS))
     record = {
         "benchmark": "BARN-2D: worlds 0, 6, ..., 294 of a user's copy of BARN (bf5a226), each once",
-        "command": f"python agents/barn_policy.py {copy.name} {' '.join(Path(name).name for name in policies)}",
+        "command": f"python agents/studies/barn_policy.py {copy.name} {' '.join(Path(name).name for name in policies)}",
         "conditions": named,
         "machine": machine(),
         "published": PUBLISHED,

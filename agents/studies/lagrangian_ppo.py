@@ -1,19 +1,24 @@
 """PPO with a Lagrangian multiplier (Ray et al. 2019): as few costs per episode as told, and then as much reward.
 
-python agents/lagrangian_ppo.py crossing --near 0.1 --limit 0.5
-python agents/lagrangian_ppo.py crossing --near 0.1              # no limit: plain PPO
+python agents/studies/lagrangian_ppo.py crossing --near 0.1 --limit 0.5
+python agents/studies/lagrangian_ppo.py crossing --near 0.1              # no limit: plain PPO
 """
 
 import argparse
+import sys
 from collections import deque
+from pathlib import Path
 
 import numpy as np
-import plain_ppo
 import torch
-from plain_ppo import N_STEPS, N_WORLDS, RATE, Agent, advantages, learn
 from torch import nn
 
 import irsim_gym
+
+sys.path.insert(0, str(Path(__file__).parents[1]))
+
+import plain_ppo
+from plain_ppo import N_STEPS, N_WORLDS, RATE, Agent, advantages, learn
 
 MULTIPLIER_RATE = 0.05
 

@@ -4,7 +4,7 @@
       irsim-gym train $name --out runs/shipped/$name --dev-levels 0
       irsim-gym evaluate $name runs/shipped/$name --split dev --no-references --out runs/shipped/$name/dev
     done
-    python agents/summarize_shipped.py runs/shipped/*
+    python agents/studies/summarize_shipped.py runs/shipped/*
 
 Each run's row takes the place of an earlier one of the same scenario and seed in results/shipped.json; the others stay.
 Teams are evaluated with `--team`. Without runs the table is written anew from the JSON file.

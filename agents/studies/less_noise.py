@@ -1,6 +1,6 @@
 """Copy a policy.zip whose actions have less noise, to train on from it.
 
-    python agents/less_noise.py runs/late/policy.zip 0.2 quiet.zip
+    python agents/studies/less_noise.py runs/late/policy.zip 0.2 quiet.zip
     irsim-gym train general_robot --from quiet.zip --seed 1
 
 A policy that learns with much noise may rely on it: with its mean actions it stands still where noise would have led

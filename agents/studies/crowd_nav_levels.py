@@ -1,8 +1,8 @@
 """Levels of crowd_nav as the code of CrowdNav++ draws them: robot first, each axis of a start shifted by itself.
 
     irsim-gym levels draw crowd_nav --split test --count 500 --out drawn.npz
-    python agents/crowd_nav_levels.py drawn.npz paper.npz --shift -0.5 0.5
-    python agents/crowd_nav_levels.py drawn.npz code.npz --shift 0 2
+    python agents/studies/crowd_nav_levels.py drawn.npz paper.npz --shift -0.5 0.5
+    python agents/studies/crowd_nav_levels.py drawn.npz code.npz --shift 0 2
 
 The published code shifts starts by 0 to 2 m, its paper's text and benchmarks.md by -0.5 to 0.5 m. A copy of
 ``crowd_nav.yaml`` with ``levels: paper.npz`` plays them.
