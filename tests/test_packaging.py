@@ -59,7 +59,7 @@ def environment(built: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 LEFT_OUT = (
     *("cluttered_room_images", "crossing", "crossing_10", "dense_room_memory_robot", "drl_robot_navigation"),
-    *("general_robot", "general_scan", "jaxnav_four", "maze_robot"),
+    *("crowd_mixed", "general_robot", "general_scan", "jaxnav_four", "maze_robot"),
 )
 """Policies that the repository has and the wheel does not."""
 
