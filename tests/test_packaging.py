@@ -60,7 +60,7 @@ def environment(built: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
 LEFT_OUT = (
     *("cluttered_room_images", "crossing", "crossing_10", "crowd_nav_scan", "dense_room_memory_robot"),
     *("drl_robot_navigation", "general_robot", "general_scan", "ice_channel", "jaxnav_four", "maze_robot"),
-    *("pss_social", "sort_boxes"),
+    *("crowd_mixed", "pss_social", "sort_boxes"),
 )
 """Policies that the repository has and the wheel does not."""
 
