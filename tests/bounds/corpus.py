@@ -117,15 +117,6 @@ BY_HAND: dict[str, dict[str, Any]] = {
         "robot": leaving(3, ["dash"]),
         "task": {"name": "blank", "max_steps": 9, "observations": ["tracks", {"name": "time_to_tracks", "speeds": 2}]},
     },
-    "behaviours by tracks": {
-        "world": SHORT,
-        "robot": [
-            {**one, "behavior": {"name": name, "sees": "tracks"}}
-            for name in ("rvo", "dwa")
-            for one in leaving(3, ["dash"])
-        ],
-        "task": GOES_ON,
-    },
     "scanner of one beam": {"robot": {**FAST, "state": [1, 1], "goal": [3, 3], "sensors": ONE_BEAM}},
     "contacts within a step": {
         "world": {**SHORT, "collision_mode": "stop", "collision_check": "swept", "obstacle_map": PERLIN},

@@ -26,7 +26,7 @@ RANDOM = 6
 SAMPLE = (
     "loop between what is drawn", "scanner of one beam", "crowd that dashes", "shipped circle_swap",
     "shipped four_drives", "shipped social_forces", "shipped goals_in_order", "parity collisions/head_on_stop",
-    "documented random polygon", "tracks of bodies that pass", "behaviours by tracks",
+    "documented random polygon", "tracks of bodies that pass",
 )  # fmt: skip
 """Scenarios that take a second or two each in plain Python."""
 

@@ -96,7 +96,6 @@ class BehaviorPolicy:
                 group.context = simulation.context
                 self.kind.prepare(group, simulation.model, simulation.shards.n_slots)
                 guide(group, simulation.scenario.bodies, simulation.parts.kinematics, simulation.model)
-            simulation.trackers += [one.tracked.tracker for one in self._groups if one.tracked and one.tracked.tracker]
             self._episodes = episodes
         if hasattr(self.kind, "begin"):
             shard = Shard(np.ascontiguousarray(worlds))

@@ -36,7 +36,7 @@ class Simulation:
         agents: Bodies that are commanded from outside, shape ``(n_agents,)``.
         shards: The division of labour.
         fused: Steps are recorded and replayed as one call where that is possible; False for the plain path.
-        trackers: What follows bodies in scans for learners and policies; pictures show their tracks.
+        trackers: What follows bodies in scans for learners; pictures show their tracks.
     """
 
     scenario: Scenario
@@ -98,8 +98,7 @@ class Simulation:
         """Return marks, for a renderer: believed outlines, blind sectors, tracks, and contacts that bodies feel."""
         parts = self.parts
         felt = contact_marks(parts.sensors, parts.pushing, world)
-        trackers = [group.tracked.tracker for group in (*parts.behaviors, *parts.group_behaviors) if group.tracked]
-        tracks = track_marks([*filter(None, trackers), *self.trackers], self.model, self.state, world)
+        tracks = track_marks(self.trackers, self.model, self.state, world)
         return (*marks_of(parts.disturbances, self.model, self.state, world), *tracks, *felt)
 
     @property

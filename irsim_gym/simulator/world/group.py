@@ -41,7 +41,6 @@ class Group:
         context: Specifications and sensors of all bodies, for kinds that show them; may be None.
         guide: The members that a behaviour drives through velocities (``simulator.step.guide``); None without any.
         scan: The members' own scans (``own_scan.OwnScan``), for behaviours with ``reads_scan``; else None.
-        tracked: What they show to move (``simulator.tracks.own_tracks.OwnTracks``), for behaviours with ``sees``.
     """
 
     kind: Any
@@ -54,7 +53,6 @@ class Group:
     context: WorldContext | None = None
     guide: Any = None
     scan: Any = None
-    tracked: Any = None
 
     def __post_init__(self) -> None:
         if self.params is None:

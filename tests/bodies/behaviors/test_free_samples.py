@@ -17,8 +17,6 @@ from irsim_gym.bodies.behaviors.rvo.velocity_obstacles import (
     side_cones,
 )
 from irsim_gym.bodies.behaviors.shared.surroundings import DISC, Ego, Surroundings
-from irsim_gym.simulator.tracks.own_tracks import OwnTracks
-from irsim_gym.simulator.tracks.tracker import TRACK
 
 Rows = np.ndarray
 
@@ -48,8 +46,7 @@ def both(
     n_cones = side_cones(ego, sides, exact, n_rounds)
     expected = every_sample(exact[:n_cones], along_x, along_y)
     no_ints = np.zeros(0, np.int64)
-    tracked = OwnTracks(no_ints, np.zeros((0, 0, 0), TRACK), None)
-    seen, cones = Surroundings(tracked, no_ints, no_ints, discs, sides, np.zeros((0, 3))), np.zeros_like(exact)
+    seen, cones = Surroundings(no_ints, no_ints, discs, sides, np.zeros((0, 3))), np.zeros_like(exact)
     tables = RvoTables(seen, cones, np.zeros(len(cones), SPAN), np.zeros(1, ROWS), np.zeros((2, 0)), no_ints[None])
     side_cones(ego, sides, cones, n_rounds)
     rough_cones(mode, ego, discs, cones)

@@ -20,24 +20,18 @@ MOST_SAMPLES = 1000
 class Dwa(RenewsGoals):
     """Choose the command with the lowest cost among admissible commands that can be reached within a step.
 
-    The body sees what its first range sensor hits, and assumes that it stands still, unless ``sees: tracks``. A
-    constant command moves the body along a circular arc. A command is admissible if the body can stop before the arc
-    touches anything. The cost is ``obstacle_weight * c + path_weight * p + goal_weight * g``. c is 253
-    exp(-cost_scaling d) for the smallest distance d [m] of the padded footprint up to ``inflation_radius`` (as in ROS's
-    cost maps), and 0 beyond; for an arc that ends at an obstacle, it is 253 to 506, higher for earlier ends. p is the
-    distance of the arc's end from the path [m], and g is the rest of the path from there [m]. An arc that arrives early
-    counts as if it continued for the time saved.
+    The body sees what its first range sensor hits, and assumes that it stands still. A constant command moves the body
+    along a circular arc. A command is admissible if the body can stop before the arc touches anything. The cost is
+    ``obstacle_weight * c + path_weight * p + goal_weight * g``. c is 253 exp(-cost_scaling d) for the smallest distance
+    d [m] of the padded footprint up to ``inflation_radius`` (as in ROS's cost maps), and 0 beyond; for an arc that ends
+    at an obstacle, it is 253 to 506, higher for earlier ends. p is the distance of the arc's end from the path [m], and
+    g is the rest of the path from there [m]. An arc that arrives early counts as if it continued for the time saved.
     """
 
     kinematics: ClassVar[tuple[str, ...]] = ("diff", "omni", "acker")
     reads_neighbors: ClassVar[bool] = False
     reads_scan: ClassVar[bool] = True
 
-    sees: Literal["scan", "tracks"] = option(
-        "scan",
-        meaning="How it takes what its scan hits: all of it stands (scan), or what scans have shown to move goes on as "
-        "it does (tracks: the observation tracks says how).",
-    )
     path: Literal["straight", "map", "seen"] = option(
         "seen",
         meaning="The path to follow: straight (to the goal), map (the shortest one around the map and all that never "
@@ -104,7 +98,6 @@ class Dwa(RenewsGoals):
     def begin(group: Group, shard: Shard) -> None:
         """Clear the paths and turns."""
         tables, turns = group.tables[shard.slot]
-        group.tracked.forget(shard)
         forget_ways(shard.worlds, tables.ways)
         forget_turns(shard.worlds, turns)
 
@@ -113,6 +106,5 @@ class Dwa(RenewsGoals):
         """Write the members' commands."""
         tables, turns = group.tables[shard.slot]
         worlds, members, params, scan = shard.worlds, group.members, group.params, group.scan
-        group.tracked.follow(group, model, state, shard)
         find_paths(worlds, members, params, scan, model, model.cells, state, tables)
         decide_dwa(worlds, members, params, scan, model, state, tables, turns)

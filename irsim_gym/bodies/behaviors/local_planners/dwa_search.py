@@ -57,7 +57,7 @@ def decide_dwa(
     Reads: scan (beams_x, beams_y, offset, range_max, range_min, ranges, sensors), model (acceleration_limit,
         disc_count, disc_start, drive, goal_threshold, has_goal, local_discs, local_segments, present, reach,
         segment_count, segment_start, solid, step_time, velocity_max, velocity_min, wheelbase), state (command, goal,
-        pose, steering, twist, velocity), tables (by_rate, hits, poses, tracked, way, ways), turns (origin, turned).
+        pose, steering, twist, velocity), tables (by_rate, hits, poses, way, ways), turns (origin, turned).
     Writes: state (command), tables (hits, poses, way), turns (origin, turned).
     """
     for w in worlds:
@@ -207,7 +207,7 @@ def way_cost(task: LocalTask, options: Any, twist: Twist, needed: float, tables:
         # Poses are computed and compared with the hits LANES at a time.
         if k == 0:
             rollouts.lay_poses(twist, i, step, poses)
-            rollouts.find_nearest(tables.hits, task.n_still, task.n_hits, poses)
+            rollouts.find_nearest(tables.hits, task.n_hits, poses)
         gap = rollouts.gap_at(task.outline, task.reach, limit, tables.hits, task.n_hits, poses, k)
         if gap < task.bearable:
             # The last free pose is the one before, at the time i * step: too early to stop.

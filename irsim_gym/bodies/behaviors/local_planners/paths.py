@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 
 from irsim_gym.bodies.behaviors.local_planners.seen_way import find_seen_way, is_still_free, note_hit
-from irsim_gym.bodies.behaviors.local_planners.task import LocalTables, is_on_mover
+from irsim_gym.bodies.behaviors.local_planners.task import LocalTables
 from irsim_gym.bodies.behaviors.local_planners.way import ASTRAY, CELL, LocalWays, advance_on_way
 from irsim_gym.simulator.paths.clearance import Obstacles, mark_standing
 from irsim_gym.simulator.paths.geodesic import shortest_path
@@ -28,7 +28,7 @@ def find_paths(
     """Note what the scans show, and compute the paths of members whose goal is new or that cannot follow theirs.
 
     Reads: scan (beams_x, beams_y, offset, range_max, range_min, ranges, sensors), model (has_goal, present, reach,
-        stands, step_time, unobstructed), state (goal, pose, step), tables (hits, tracked, ways).
+        stands, step_time, unobstructed), state (goal, pose, step), tables (hits, ways).
     Writes: tables (hits, ways).
     """
     hits, ways = tables.hits, tables.ways
@@ -43,12 +43,11 @@ def find_paths(
             hard, soft, now = ways.seen.hard[w, m], ways.seen.soft[w, m], state.step[w] + 1
             reach, oldest = model.reach[row_of(model.reach, w), b], now - int(options.memory / model.step_time[0])
             if options.path == SEEN:
-                a, cosine, sine = tables.tracked.row[b], np.cos(state.pose[w, b, 2]), np.sin(state.pose[w, b, 2])
+                cosine, sine = np.cos(state.pose[w, b, 2]), np.sin(state.pose[w, b, 2])
                 for j in range(find_hits(scan, w, k, options.obstacle_range, hits)):
                     x = here[0] + cosine * hits[0, j] - sine * hits[1, j]
                     y = here[1] + sine * hits[0, j] + cosine * hits[1, j]
-                    if a < 0 or not is_on_mover(x, y, tables.tracked.tracks[w, a]):
-                        note_hit(x, y, reach, options.path_clearance, grid, now, hard, soft)
+                    note_hit(x, y, reach, options.path_clearance, grid, now, hard, soft)
             # The goal NaN of a member without a path equals no goal.
             is_known = ways.goal[w, m, 0] == end[0] and ways.goal[w, m, 1] == end[1]
             if is_known and advance_on_way(ways, w, m, here) <= ASTRAY:

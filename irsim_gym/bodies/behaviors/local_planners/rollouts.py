@@ -16,8 +16,8 @@ LANES = 16
 ROUNDING = 1e-9
 """Relative tolerance of squared distances for rounding."""
 
-POSES = record_type("x y cosine sine near time", LANES)
-"""Poses [m], when they are reached [s], and the squared distance of each from the nearest point [m2]."""
+POSES = record_type("x y cosine sine near", LANES)
+"""Poses [m], and the squared distance of each from the nearest point [m2]."""
 
 
 @kernel
@@ -53,36 +53,28 @@ def lay_poses(twist: Twist, first: int, step: float, poses: Record) -> None:
     Writes: poses.
     """
     for k in range(LANES):
-        poses.time[k] = (first + k + 1) * step
-        poses.x[k], poses.y[k], poses.cosine[k], poses.sine[k] = place_at(twist, poses.time[k])
+        poses.x[k], poses.y[k], poses.cosine[k], poses.sine[k] = place_at(twist, (first + k + 1) * step)
 
 
 @kernel
-def find_nearest(points: Floats, n_still: int, n_points: int, poses: Record) -> None:
+def find_nearest(points: Floats, n_points: int, poses: Record) -> None:
     """Write the squared distance of each pose from the nearest of some points, infinite without any.
 
     Writes: poses.
 
     Args:
-        points: x and y [m] at time 0, and velocities [m/s] of those that move, shape ``(4, n)``.
-        n_still: Number of points that stand, which come first.
+        points: x and y [m], shape ``(2, n)``.
         n_points: Number of points.
         poses: The poses; ``near`` is written.
     """
     for k in range(LANES):
         poses.near[k] = np.inf
-    for j in range(n_still):
+    for j in range(n_points):
         x, y = points[0, j], points[1, j]
         for k in range(LANES):
             dx, dy = poses.x[k] - x, poses.y[k] - y
             distance2 = dx * dx + dy * dy
             # Selections in place of branches, so that all lanes take one path.
-            poses.near[k] = distance2 if distance2 < poses.near[k] else poses.near[k]
-    for j in range(n_still, n_points):
-        x, y, vx, vy = points[0, j], points[1, j], points[2, j], points[3, j]
-        for k in range(LANES):
-            dx, dy = poses.x[k] - x - vx * poses.time[k], poses.y[k] - y - vy * poses.time[k]
-            distance2 = dx * dx + dy * dy
             poses.near[k] = distance2 if distance2 < poses.near[k] else poses.near[k]
 
 
@@ -96,7 +88,7 @@ def gap_at(
         outline: The outline in the body frame.
         reach: Radius about the body's origin that holds it [m].
         limit: Distances above this are reported as this [m].
-        points: x and y [m] at time 0, and their velocities [m/s], shape ``(4, n)``.
+        points: x and y [m], shape ``(2, n)``.
         n_points: Number of points.
         poses: The poses, with ``near`` as ``find_nearest`` writes it.
         k: Which pose.
@@ -111,8 +103,7 @@ def gap_at(
     # First the point nearest to the origin alone: the distance found there excludes most others in the second pass.
     for within in (poses.near[k] * (1.0 + ROUNDING), far * far):
         for j in range(n_points):
-            x, y = points[0, j] + points[2, j] * poses.time[k], points[1, j] + points[3, j] * poses.time[k]
-            dx, dy = x - poses.x[k], y - poses.y[k]
+            dx, dy = points[0, j] - poses.x[k], points[1, j] - poses.y[k]
             distance2 = dx * dx + dy * dy
             if distance2 <= within and distance2 < (reach + best) * (reach + best):
                 # The outline is given in the body frame, so the point is turned into it, not the outline out of it.

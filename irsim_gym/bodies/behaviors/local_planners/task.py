@@ -9,11 +9,7 @@ from irsim_gym.base.arraytypes import BodyOutline, Flags, Floats, Records, Vecto
 from irsim_gym.bodies.behaviors.local_planners.rollouts import POSES, find_nearest, gap_at, lay_poses
 from irsim_gym.bodies.behaviors.local_planners.way import MOST_POINTS, LocalWays, lay_way, way_length
 from irsim_gym.bodies.behaviors.pursuit.motion import Moving, moving_of
-from irsim_gym.bodies.behaviors.shared.sees import tracks_of
 from irsim_gym.bodies.behaviors.shared.steering import commanded_by_rate
-from irsim_gym.simulator.geometry.angles import TURN
-from irsim_gym.simulator.tracks.own_tracks import OwnTracks
-from irsim_gym.simulator.tracks.tracker import SLOTS, is_mover
 from irsim_gym.simulator.world.names import ACKERMANN, DIFFERENTIAL, Group, Model, State, Struct, kernel, row_of
 from irsim_gym.simulator.world.outline import own_outline
 from irsim_gym.simulator.world.own_scan import OwnScan, find_hits
@@ -22,8 +18,6 @@ LETHAL = 253.0
 """Cost of touching the padded footprint, as in ROS's cost maps."""
 CLOSE = 1e-9
 """Tolerance for rounding."""
-RIM, BLUR = 8, 0.1
-"""Number of points around what moves, and how far from it a hit may be that is on it [m]."""
 
 
 @dataclass(repr=False)
@@ -32,16 +26,13 @@ class LocalTables(Struct):
 
     Attributes:
         by_rate: Flags of steered bodies that are commanded by a turn rate, shape ``(n_bodies,)``.
-        tracked: What the bodies see move.
-        hits: Scratch: x and y of the scan's hits [m] and of points of what moves, and the components of their
-            velocities [m/s], shape ``(4, n_beams + n_more)``.
+        hits: Scratch: x and y of the scan's hits [m], shape ``(2, n_beams)``.
         poses: Scratch: a record of type ``POSES``, shape ``(1,)``.
         way: Scratch: x and y of the path ahead [m], shape ``(2, MOST_POINTS + 1)``.
         ways: The paths.
     """
 
     by_rate: Flags
-    tracked: OwnTracks
     hits: Floats
     poses: Records
     way: Floats
@@ -52,9 +43,8 @@ class LocalTables(Struct):
         """Return memory for each slot."""
         by_rate, n_beams = np.zeros(len(model.role), np.bool_), group.scan.ranges.shape[2]
         by_rate[group.members] = commanded_by_rate(group)
-        tracked, n_hits = tracks_of(group, model, n_slots), n_beams + RIM * SLOTS
         return [
-            cls(by_rate, tracked, np.zeros((4, n_hits)), np.zeros(1, POSES), np.zeros((2, MOST_POINTS + 1)), ways)
+            cls(by_rate, np.zeros((2, n_beams)), np.zeros(1, POSES), np.zeros((2, MOST_POINTS + 1)), ways)
             for ways in LocalWays.reserve(group, model, n_slots)
         ]
 
@@ -68,7 +58,6 @@ class LocalTask(NamedTuple):
         outline: Its outline.
         reach: Radius of the disc that encloses it [m].
         n_hits: Number of points that it sees, in ``LocalTables.hits``.
-        n_still: Number of those that stand, which come first.
         bearable: Distance below which a motion counts as touching [m]: the padding, or less if the body is closer now.
         n_way: Number of points of the path, in ``LocalTables.way``.
         length: Length of the path [m].
@@ -83,7 +72,6 @@ class LocalTask(NamedTuple):
     outline: BodyOutline
     reach: float
     n_hits: int
-    n_still: int
     bearable: float
     n_way: int
     length: float
@@ -106,15 +94,14 @@ def is_under_way(model: Model, state: State, w: int, b: int) -> bool:
 
 
 @kernel
-def task_of(w: int, b: int, n_seen: int, options: Any, model: Model, state: State, tables: LocalTables) -> LocalTask:
+def task_of(w: int, b: int, n_hits: int, options: Any, model: Model, state: State, tables: LocalTables) -> LocalTask:
     """Return what body b of world w has to do; ``tables.way`` is written.
 
     Reads: model (acceleration_limit, disc_count, disc_start, drive, goal_threshold, local_discs, local_segments, reach,
         segment_count, segment_start, solid, step_time, velocity_max, velocity_min, wheelbase), state (goal, pose,
-        steering, twist, velocity), tables (by_rate, hits, poses, tracked, way, ways).
-    Writes: tables (hits, poses, way).
+        steering, twist, velocity), tables (by_rate, hits, poses, way, ways).
+    Writes: tables (poses, way).
     """
-    n_still, n_hits = add_movers(state, w, b, n_seen, tables)
     moving, outline = moving_of(model, state, w, b, tables.by_rate[b]), own_outline(model, w, b)
     cosine, sine = np.cos(state.pose[w, b, 2]), np.sin(state.pose[w, b, 2])
     dx, dy = state.goal[w, b, 0] - state.pose[w, b, 0], state.goal[w, b, 1] - state.pose[w, b, 1]
@@ -125,8 +112,9 @@ def task_of(w: int, b: int, n_seen: int, options: Any, model: Model, state: Stat
     # Into the body's frame, in which hits, path and rollouts are.
     goal_x, goal_y = cosine * dx + sine * dy, cosine * dy - sine * dx
     forward = min(options.forward_point, np.sqrt(dx * dx + dy * dy)) if rolls else 0.0
-    sight, path = (n_hits, n_still, bearable), (n_way, way_length(tables.way, n_way))
-    return LocalTask(moving, (cosine, sine), outline, reach, *sight, *path, goal_x, goal_y, near, forward)
+    length = way_length(tables.way, n_way)
+    facing = cosine, sine
+    return LocalTask(moving, facing, outline, reach, n_hits, bearable, n_way, length, goal_x, goal_y, near, forward)
 
 
 @kernel
@@ -145,51 +133,9 @@ def see_hits(scan: OwnScan, w: int, k: int, options: Any, hits: Floats) -> int:
             dx, dy = x - hits[0, count - 1], y - hits[1, count - 1]
             if dx * dx + dy * dy < spacing2:
                 continue
-        hits[0, count], hits[1, count], hits[2, count], hits[3, count] = x, y, 0.0, 0.0
+        hits[0, count], hits[1, count] = x, y
         count += 1
     return count
-
-
-@kernel
-def add_movers(state: State, w: int, b: int, n_hits: int, tables: LocalTables) -> tuple[int, int]:
-    """Replace hits on what moves by points around it that go on with its velocity; return how many stand, and all.
-
-    Reads: state (pose), tables (hits, tracked).
-    Writes: tables (hits).
-    """
-    hits, a, n_still = tables.hits, tables.tracked.row[b], 0
-    if a < 0:
-        return n_hits, n_hits
-    tracks, pose = tables.tracked.tracks[w, a], state.pose[w, b]
-    cosine, sine = np.cos(pose[2]), np.sin(pose[2])
-    for j in range(n_hits):
-        x, y = pose[0] + cosine * hits[0, j] - sine * hits[1, j], pose[1] + sine * hits[0, j] + cosine * hits[1, j]
-        if not is_on_mover(x, y, tracks):
-            hits[0, n_still], hits[1, n_still] = hits[0, j], hits[1, j]
-            n_still += 1
-    count = n_still
-    for t in range(tracks.shape[0]):
-        one = tracks[t]
-        if is_mover(one):
-            dx, dy = one.x - pose[0], one.y - pose[1]
-            for i in range(RIM):
-                turn = i * TURN / RIM
-                hits[0, count] = cosine * dx + sine * dy + one.radius * np.cos(turn)
-                hits[1, count] = cosine * dy - sine * dx + one.radius * np.sin(turn)
-                hits[2, count], hits[3, count] = cosine * one.vx + sine * one.vy, cosine * one.vy - sine * one.vx
-                count += 1
-    return n_still, count
-
-
-@kernel
-def is_on_mover(x: float, y: float, tracks: Records) -> bool:
-    """Return whether a point of the world [m] belongs to what scans have shown to move."""
-    for t in range(tracks.shape[0]):
-        track = tracks[t]
-        dx, dy, far = track.x - x, track.y - y, track.radius + BLUR
-        if is_mover(track) and dx * dx + dy * dy < far * far:
-            return True
-    return False
 
 
 @kernel
@@ -204,7 +150,7 @@ def bearable_gap(outline: BodyOutline, reach: float, n_hits: int, padding: float
     poses = tables.poses[0]
     # A twist and a time of 0 leave every lane at the body's present pose.
     lay_poses((0.0, 0.0, 0.0), 0, 0.0, poses)
-    find_nearest(tables.hits, n_hits, n_hits, poses)
+    find_nearest(tables.hits, n_hits, poses)
     gap = gap_at(outline, reach, padding + CLOSE, tables.hits, n_hits, poses, 0)
     # -CLOSE: no distance is below it, so that nothing counts as touched.
     return max(min(gap, padding) - CLOSE, CLOSE) if gap > 0.0 else -CLOSE

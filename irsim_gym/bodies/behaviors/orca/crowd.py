@@ -13,7 +13,6 @@ from irsim_gym.base.kernels.structs import Struct, record_type
 from irsim_gym.bodies.behaviors.orca.lines import DISC_LANES
 from irsim_gym.bodies.behaviors.shared.surroundings import Ego
 from irsim_gym.simulator.geometry.buckets import square_of
-from irsim_gym.simulator.tracks.tracker import is_mover
 from irsim_gym.simulator.world.names import Flags, Floats, Ints, Model, Records, State, kernel, row_of
 
 FEW = 32
@@ -59,7 +58,7 @@ class Crowd(Struct):
         x: x of each present member, square by square; infinite for members that no body sees [m].
         y: y of each present member, likewise [m].
         moves: Motion of each present member, records of type ``MOVE``.
-        body: Body of each present member, -1 for a track.
+        body: Body of each present member.
         square: Square of each member of the group, -1 for absent members.
         starts: First member in each square.
         found: Members found by a search.
@@ -177,24 +176,6 @@ def sort_members(model: Model, state: State, w: int, crowd: Crowd) -> None:
 
 
 @kernel
-def lay_tracks(b: int, tracks: Records, crowd: Crowd) -> None:
-    """Write a member, and the tracks that it sees move behind it, into a single square.
-
-    Writes: crowd (body, moves, starts, x, y).
-    """
-    # At infinity it does not find itself.
-    crowd.body[0], crowd.x[0], count = b, np.inf, 1
-    for t in range(tracks.shape[0]):
-        track = tracks[t]
-        if is_mover(track):
-            move = crowd.moves[count]
-            crowd.body[count], crowd.x[count], crowd.y[count] = -1, track.x, track.y
-            move.vx, move.vy, move.radius = track.vx, track.vy, track.radius
-            count += 1
-    crowd.starts[0], crowd.starts[1] = 0, count
-
-
-@kernel
 def find_nearest(model: Model, ego: Ego, m: int, place: int, reach: float, crowd: Crowd) -> int:
     """Write the nearest members that a member sees, nearest first; return their number.
 
@@ -264,8 +245,7 @@ def keep_visible(model: Model, b: int, n_found: int, crowd: Crowd) -> int:
     """
     count = 0
     for i in range(n_found):
-        q = crowd.body[crowd.found[i]]
-        if q < 0 or model.watchers[model.seen_row[q], b]:
+        if model.watchers[model.seen_row[crowd.body[crowd.found[i]]], b]:
             crowd.found[count], crowd.gap2[count] = crowd.found[i], crowd.gap2[i]
             count += 1
     return count

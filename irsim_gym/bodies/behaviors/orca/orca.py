@@ -7,16 +7,15 @@ import numpy as np
 from irsim_gym.bodies.behaviors.orca.crowd import Crowd, lay_squares
 from irsim_gym.bodies.behaviors.orca.map import SIGHT
 from irsim_gym.bodies.behaviors.orca.neighbors import OrcaObstacles
-from irsim_gym.bodies.behaviors.orca.planning import OrcaTables, command_plans, plan_on_tracks, plan_velocities
+from irsim_gym.bodies.behaviors.orca.planning import OrcaTables, command_plans, plan_velocities
 from irsim_gym.bodies.behaviors.shared.map_parts import most_map_discs, most_map_walls
-from irsim_gym.bodies.behaviors.shared.sees import SeesMovers, tracks_of
+from irsim_gym.scenario.specs.wander_goals import RenewsGoals
 from irsim_gym.simulator.geometry.linear_program import HALF_PLANE
-from irsim_gym.simulator.tracks.tracker import SLOTS
 from irsim_gym.simulator.world.names import Group, Model, Shard, State, kind, option
 
 
 @kind
-class OrcaGroup(SeesMovers):
+class OrcaGroup(RenewsGoals):
     """All bodies of a group avoid each other, each taking half of the effort, and what never moves."""
 
     kinematics: ClassVar[tuple[str, ...]] = ("diff", "omni")
@@ -43,17 +42,12 @@ class OrcaGroup(SeesMovers):
         # Upper bounds of what map_parts finds: walls within SIGHT of the body, and discs whose edges are.
         members, n_sides = np.flatnonzero(seen | plans), most_map_walls(model, SIGHT)
         n_discs = most_map_discs(model, SIGHT + model.map_disc[0])
-        tracked = tracks_of(group, model, n_slots, group.arrays["decides"])
-        most, n_squared = min(group.options[0].maxNeighbors, len(group.members)), len(members)
-        if tracked.tracker is not None:
-            # One member and its tracks at a time, in one square.
-            most, n_squared, members = group.options[0].maxNeighbors, 0, np.zeros(SLOTS + 1, np.int64)
-        squares = lay_squares(model.bounds, n_squared, group.options[0].neighborDist, most)
+        most = min(group.options[0].maxNeighbors, len(group.members))
+        squares = lay_squares(model.bounds, len(members), group.options[0].neighborDist, most)
         n_planes = n_parts + n_sides + n_discs + most
         group.tables = [
             OrcaTables(
                 deciding=deciding,
-                tracked=tracked,
                 crowd=Crowd.reserve(members, squares, seen, plans, most),
                 obstacles=OrcaObstacles.reserve(is_wall, n_parts, n_sides, n_discs),
                 planes=np.zeros(n_planes, HALF_PLANE),
@@ -67,7 +61,5 @@ class OrcaGroup(SeesMovers):
         """Write the members' commands and ``state.plan``; all see each other as they were before."""
         tables = group.tables[shard.slot]
         if len(tables.deciding):
-            group.tracked.follow(group, model, state, shard)
-            plan = plan_velocities if tables.tracked.tracker is None else plan_on_tracks
-            plan(shard.worlds, group.params, model, state, tables)
+            plan_velocities(shard.worlds, group.params, model, state, tables)
             command_plans(shard.worlds, model, state, tables)

@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from irsim_gym.bodies.behaviors.orca.crowd import Crowd, find_nearest, lay_tracks, sort_members
+from irsim_gym.bodies.behaviors.orca.crowd import Crowd, find_nearest, sort_members
 from irsim_gym.bodies.behaviors.orca.lines import HALF, LANES, Other, disc_plane, disc_planes, standing_plane
 from irsim_gym.bodies.behaviors.orca.map import SIGHT, add_map
 from irsim_gym.bodies.behaviors.orca.neighbors import OrcaObstacles, find_walls
@@ -13,7 +13,6 @@ from irsim_gym.bodies.behaviors.orca.walls import add_edge, see_edge
 from irsim_gym.bodies.behaviors.shared.steering import Turning, goal_offset, to_command
 from irsim_gym.bodies.behaviors.shared.surroundings import Ego
 from irsim_gym.simulator.geometry.linear_program import choose, set_plane
-from irsim_gym.simulator.tracks.own_tracks import OwnTracks
 from irsim_gym.simulator.world.names import DIFFERENTIAL, Ints, Model, Records, State, Struct, Vector, kernel, row_of
 
 AT_GOAL = 0.1
@@ -35,15 +34,13 @@ class OrcaTables(Struct):
 
     Attributes:
         deciding: The members whose commands are written, shape ``(n_deciding,)``.
-        tracked: What they see move.
-        crowd: The members; with ``sees: tracks`` one of them, and what it sees move.
+        crowd: The members.
         obstacles: The static obstacles.
         planes: Half-planes of permitted velocities, records of type ``HALF_PLANE``, hard ones first.
         spare: Scratch, as many half-planes.
     """
 
     deciding: Ints
-    tracked: OwnTracks
     crowd: Crowd
     obstacles: OrcaObstacles
     planes: Records
@@ -112,24 +109,6 @@ def plan_velocities(worlds: Ints, params: Any, model: Model, state: State, table
             for m in range(crowd.starts[place], crowd.starts[place + 1]):
                 if crowd.plans[crowd.body[m]]:
                     plan_velocity(model, state, w, m, place, params[0], tables)
-
-
-@kernel
-def plan_on_tracks(worlds: Ints, params: Any, model: Model, state: State, tables: OrcaTables) -> None:
-    """As ``plan_velocities``, of members that see by their own scans how others move.
-
-    Reads: model (bucket_frame, disc_count, disc_start, drive, has_goal, heedless, map_disc, map_frame, map_squares,
-        present, radius, reach, seen_row, segment_count, segment_start, solid, step_time, velocity_max, watchers), state
-        (bucket_first, bucket_next, discs, goal, plan, pose, segments), tables (crowd, deciding, obstacles, planes,
-        tracked).
-    Writes: state (command), tables (crowd, obstacles, planes).
-    """
-    for w in worlds:
-        for b in tables.deciding:
-            a = tables.tracked.row[b]
-            if a >= 0:
-                lay_tracks(b, tables.tracked.tracks[w, a], tables.crowd)
-                plan_velocity(model, state, w, 0, 0, params[0], tables)
 
 
 @kernel

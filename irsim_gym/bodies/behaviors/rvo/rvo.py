@@ -1,6 +1,5 @@
 """RVO: the collision-free sampled velocity nearest to the preferred one (van den Berg et al. 2008)."""
 
-from collections.abc import Iterator
 from typing import Any, ClassVar, Literal
 
 import numpy as np
@@ -10,11 +9,9 @@ from irsim_gym.bodies.behaviors.rvo import velocity_obstacles
 from irsim_gym.bodies.behaviors.rvo.free_samples import ROWS, SPAN, RvoTables, nearest_free, rough_cones
 from irsim_gym.bodies.behaviors.rvo.penalty import least_penalty
 from irsim_gym.bodies.behaviors.shared.map_parts import most_map_discs, most_map_walls
-from irsim_gym.bodies.behaviors.shared.sees import SeesMovers, tracks_of
 from irsim_gym.bodies.behaviors.shared.steering import Turning, clear_command, to_command, wanted_velocity
 from irsim_gym.bodies.behaviors.shared.surroundings import MARGIN, Ego, Surroundings, look_around
-from irsim_gym.simulator.tracks.own_tracks import OwnTracks
-from irsim_gym.simulator.tracks.tracker import SLOTS, TRACK
+from irsim_gym.scenario.specs.wander_goals import RenewsGoals
 from irsim_gym.simulator.world.group import Group, Shard, records
 from irsim_gym.simulator.world.names import DIFFERENTIAL, Model, State, kernel, kind, option, row_of
 
@@ -23,7 +20,7 @@ TURNING = Turning(0.2, 0.1, 0.02, 1.5)
 
 
 @kind
-class Rvo(SeesMovers):
+class Rvo(RenewsGoals):
     """Pick the sampled velocity nearest to the preferred one that leads to no collision."""
 
     kinematics: ClassVar[tuple[str, ...]] = ("diff", "omni")
@@ -49,25 +46,19 @@ class Rvo(SeesMovers):
         "sides by its outline. Walls of linestrings are seen from anywhere.",
     )
 
-    def further_problems(self) -> Iterator[tuple[str, str]]:
-        """Yield key and message of conflicting options."""
-        if self.sees == "tracks" and self.target_roles != "all":
-            yield "target_roles", f"must be 'all' with sees: tracks, as scans show no roles, got '{self.target_roles}'"
-
     @staticmethod
     def prepare(group: Group, model: Model, n_slots: int) -> None:
         """Allocate scratch memory for the perception and samples of one body."""
-        n_rounds, tracked = len(model.role) + model.local_discs.shape[1] + SLOTS, tracks_of(group, model, n_slots)
+        n_rounds = len(model.role) + model.local_discs.shape[1]
         sight = max(options.neighbor_threshold for options in group.options)
         n_sides, n_discs = model.local_segments.shape[1] + most_map_walls(model, sight), most_map_discs(model, sight)
         n_cones, n_samples = n_rounds + n_discs + n_sides, _most_samples(group.params)
-        room = tracked, model, n_rounds, n_sides, n_discs
+        room = model, n_rounds, n_sides, n_discs
         group.tables = [reserve_tables(Surroundings.reserve(*room), n_cones, n_samples) for _ in range(n_slots)]
 
     @staticmethod
     def decide(group: Group, model: Model, state: State, shard: Shard) -> None:
         """Write the members' commands."""
-        group.tracked.follow(group, model, state, shard)
         decide_rvo(shard.worlds, group.members, group.params, model, state, group.tables[shard.slot])
 
 
@@ -90,8 +81,7 @@ def free_velocity(options: Rvo, ego: Ego, preferred: Vector, rounds: Records, si
     """
     none, params = np.zeros(0, np.int64), records([options])
     n_cones, n_samples = len(rounds) + len(sides), _most_samples(params)
-    tracked = OwnTracks(none, np.zeros((0, 0, 0), TRACK), None)
-    tables = reserve_tables(Surroundings(tracked, none, none, rounds, sides, np.zeros((0, 3))), n_cones, n_samples)
+    tables = reserve_tables(Surroundings(none, none, rounds, sides, np.zeros((0, 3))), n_cones, n_samples)
     return choose_velocity(ego, preferred, np.inf, params[0], rounds, sides, tables)
 
 

@@ -9,8 +9,6 @@ from irsim_gym.base.arraytypes import Floats, Ints, Point, Record, Records
 from irsim_gym.bodies.behaviors.shared.map_parts import map_discs, map_walls
 from irsim_gym.simulator.geometry.buckets import find_nearby
 from irsim_gym.simulator.geometry.overlap import point_outline_distance
-from irsim_gym.simulator.tracks.own_tracks import OwnTracks
-from irsim_gym.simulator.tracks.tracker import is_mover
 from irsim_gym.simulator.world.names import Model, State, Struct, kernel, outline_of, record_type, row_of
 
 MARGIN = 0.1
@@ -52,7 +50,6 @@ class Surroundings(Struct):
     """Discs and walls that one body sees; each shard has its own.
 
     Attributes:
-        tracked: What bodies see move by their own scans.
         lines: Bodies that are chains of segments, shape ``(n_lines,)``.
         nearby: Scratch for a search of bodies, shape ``(body,)``.
         rounds: Discs, records of type ``DISC``.
@@ -60,7 +57,6 @@ class Surroundings(Struct):
         discs: Scratch for the discs of a map: x, y, radius [m], shape ``(n, 3)``.
     """
 
-    tracked: OwnTracks
     lines: Ints
     nearby: Ints
     rounds: Records
@@ -68,10 +64,10 @@ class Surroundings(Struct):
     discs: Floats
 
     @classmethod
-    def reserve(cls, tracked: OwnTracks, model: Model, n_rounds: int, n_sides: int, n_discs: int) -> Self:
+    def reserve(cls, model: Model, n_rounds: int, n_sides: int, n_discs: int) -> Self:
         """Allocate memory for the given numbers of discs and walls of bodies and a map, and of discs of a map."""
         nearby, rounds = np.zeros(len(model.role), np.int64), np.zeros(n_rounds + n_discs, DISC)
-        return cls(tracked, wall_bodies(model), nearby, rounds, np.zeros((n_sides, 4)), np.zeros((n_discs, 3)))
+        return cls(wall_bodies(model), nearby, rounds, np.zeros((n_sides, 4)), np.zeros((n_discs, 3)))
 
 
 def wall_bodies(model: Model) -> Ints:
@@ -176,12 +172,11 @@ def look_around(
 
     Most bodies count as the disc around their centroid, and are seen if the centroid is closer than ``sight`` [m].
     Bodies that never move and have sides count as their outline, and are seen if any part of it is closer. Chains of
-    segments are always seen, the walls of a map only nearby. Discs of a map count as standing discs. With ``sees:
-    tracks``, tracks stand for what can move.
+    segments are always seen, the walls of a map only nearby. Discs of a map count as standing discs.
 
     Reads: model (bucket_frame, centroid, disc_count, disc_start, heedless, map_disc, map_frame, map_squares, movable,
         present, radius, reach, role, seen_row, segment_count, segment_start, solid, watchers), state (bucket_first,
-        bucket_next, discs, pose, segments, twist), seen (discs, lines, nearby, tracked).
+        bucket_next, discs, pose, segments, twist), seen (discs, lines, nearby).
     Writes: seen (discs, nearby, rounds, sides).
 
     Args:
@@ -194,14 +189,10 @@ def look_around(
         seen: Surroundings; ``rounds`` and ``sides`` are written.
     """
     x, y, rounds = state.pose[w, b, 0], state.pose[w, b, 1], seen.rounds
-    n_rounds, n_sides, a = 0, 0, seen.tracked.row[b]
-    if a >= 0 and not model.heedless[row_of(model.heedless, w), b]:
-        n_rounds = add_tracks(seen.tracked.tracks[w, a], x, y, sight, rounds)
+    n_rounds, n_sides = 0, 0
     for k in range(find_around(model, state, w, b, sight, seen.nearby)):
         q = seen.nearby[k]
         if is_far(model, state, w, b, q, sight) or not is_seen(model, w, b, q, target_roles):
-            continue
-        if a >= 0 and model.movable[q]:
             continue
         look = look_of(model, w, q)
         if look == STANDING and point_outline_distance((x, y), outline_of(model, state, w, q)) < sight:
@@ -223,19 +214,6 @@ def look_around(
             write_disc(rounds[n_rounds], disc[0], disc[1], 0.0, 0.0, disc[2] + MARGIN)
             n_rounds += 1
     return n_rounds, n_sides
-
-
-@kernel
-def add_tracks(tracks: Records, x: float, y: float, sight: float, rounds: Records) -> int:
-    """Write what scans show to move, nearer than ``sight`` [m], to ``rounds``; return the number of discs."""
-    n_rounds = 0
-    for t in range(tracks.shape[0]):
-        track = tracks[t]
-        dx, dy = track.x - x, track.y - y
-        if is_mover(track) and dx * dx + dy * dy < sight * sight:
-            write_disc(rounds[n_rounds], track.x, track.y, track.vx, track.vy, track.radius + MARGIN)
-            n_rounds += 1
-    return n_rounds
 
 
 @kernel
