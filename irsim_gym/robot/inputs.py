@@ -10,7 +10,7 @@ from irsim_gym.base.arraytypes import Flags, Floats, Rays, Records
 from irsim_gym.base.families import FOOTPRINTS
 from irsim_gym.robot.contract import Scanner, SeenMapForm, Tested
 from irsim_gym.scenario import Scenario
-from irsim_gym.simulator.tracks.tracker import PROOFS, Tracker
+from irsim_gym.simulator.tracks.tracker import Tracker, are_movers
 from irsim_gym.simulator.world.model import OMNI_WORLD, Model
 from irsim_gym.tasks import Episodes
 from irsim_gym.tasks.observations.seen_map.way_on_seen_map import WayOnSeenMap
@@ -116,9 +116,8 @@ def tracker_of(episodes: Episodes) -> Tracker | None:
 
 def mover_rows(tracks: Records) -> Floats:
     """Return tracks as rows of ``tracked``; NaN for those that scans have not shown to move."""
-    moves = tracks["used"] & (tracks["score"] >= PROOFS)
     rows = np.stack([tracks[name] for name in ("x", "y", "vx", "vy", "radius")], axis=-1)
-    return np.where(moves[..., None], rows, np.nan)
+    return np.where(are_movers(tracks)[..., None], rows, np.nan)
 
 
 def tracked(episodes: Episodes, agent: int = 0) -> Floats:

@@ -1,4 +1,4 @@
-"""How a kernel of the package becomes LLVM's code: in a third of the instructions that Numba writes.
+"""How a kernel of the package becomes LLVM's code: in half the instructions that Numba writes.
 
 Numba writes an array with all its parts to the stack and reads it back for each element, and each variable that
 another block reads, too. LLVM removes that again, which takes a third of a cold start. Here an element takes the parts

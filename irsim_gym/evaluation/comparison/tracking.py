@@ -9,7 +9,7 @@ from rich.table import Table
 from irsim_gym.base.arraytypes import Flags, Floats, Ints
 from irsim_gym.evaluation.protocol.tables import figure_table
 from irsim_gym.evaluation.requests.scenario_request import ScenarioRequest
-from irsim_gym.simulator.tracks.tracker import PROOFS
+from irsim_gym.simulator.tracks.tracker import are_movers
 from irsim_gym.simulator.world.own_scan import find_hits
 from irsim_gym.tasks import Episodes
 
@@ -98,7 +98,7 @@ def _compare(
         found: What is added to.
     """
     state, tracks = episodes.simulation.state, episodes.terms["observations"][0].arrays.tracker.tracks[:, 0]
-    movers_seen, place = tracks["used"] & (tracks["score"] >= PROOFS), state.pose[:, movers]
+    movers_seen, place = are_movers(tracks), state.pose[:, movers]
     speed = np.where(state.stopped[:, movers, None], 0.0, state.twist[:, movers, :2])
     gap = np.hypot(tracks["x"][:, :, None] - place[:, None, :, 0], tracks["y"][:, :, None] - place[:, None, :, 1])
     gap[~movers_seen] = np.inf

@@ -1,11 +1,11 @@
 """The memory of tracks: discs that follow what a body's own scans show to move."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any, Self
 
 import numpy as np
 
-from irsim_gym.base.arraytypes import Floats, Labels, Rays, Records
+from irsim_gym.base.arraytypes import Flags, Floats, Labels, Rays, Records
 from irsim_gym.base.kernels import kernel
 from irsim_gym.base.kernels.structs import Struct, record_type
 from irsim_gym.simulator.tracks.clusters import CLUSTER
@@ -106,16 +106,16 @@ class Tracker(Struct):
             clusters=np.zeros((n_slots, n_beams), CLUSTER),
         )
 
-    def of_slot(self, slot: int) -> Self:
-        """Return the same tracks with the scratch memory of one slot, which is slot 0 there."""
-        scratch = {name: getattr(self, name)[slot : slot + 1] for name in ("joined", "points", "clusters")}
-        return replace(self, **scratch)
-
 
 @kernel(inlined=True)
 def is_mover(one: Any) -> bool:
     """Return whether scans have shown that a track moves."""
     return bool(one.used and one.score >= PROOFS)
+
+
+def are_movers(tracks: Records) -> Flags:
+    """Return what ``is_mover`` does for each of many tracks, in their shape."""
+    return np.asarray(tracks["used"] & (tracks["score"] >= PROOFS))
 
 
 @kernel
